@@ -1,0 +1,63 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "core/base/progress.hpp"
+#include "core/mesh/cage.hpp"
+#include "core/mesh/surface_level.hpp"
+#include "core/target/target_surface.hpp"
+
+namespace flowcage {
+
+/// The tunables of the loop; named and documented in core/options.
+struct FitSettings {
+  int levels = 3;        ///< subdivision levels after the cage
+  double tolerance = 0;  ///< stop refining below this deviation (relative to the diagonal); 0: do all levels
+  int max_passes = 12;   ///< project-refit passes a level
+  int max_cgls_iterations = 60;
+};
+
+/// One row of the report (CONTRACT: surface.levels). Deviations are relative to the target's diagonal,
+/// measured at points that were not fitted.
+struct LevelReport {
+  int level = 0;
+  Index control_vertices = 0, samples = 0;
+  double max_deviation = 0, rms_deviation = 0;
+  Vec3 worst_place = Vec3::Zero();
+  int passes = 0, solver_iterations = 0;
+  Index folds = 0;  ///< faces whose limit normal turns against the target's or flips between samples
+  double seconds = 0;
+  std::string stopped_because;
+};
+
+struct FittedLevel {
+  SurfaceLevel topology;
+  std::vector<Vec3> control_points;
+  LevelReport report;
+};
+
+/// Where a vertex of the last level belongs on the target: what snapping uses.
+struct VertexTarget {
+  enum class Kind : std::uint8_t { face, chain, corner, none } kind = Kind::none;
+  Vec3 position = Vec3::Zero();
+  Index chain = no_index;
+};
+
+struct SurfaceFit {
+  std::vector<FittedLevel> levels;  ///< 0 .. the last one that was made
+  double max_deviation = 0, rms_deviation = 0;
+  double coverage_deviation = 0;  ///< target to fitted surface
+  Vec3 worst_place = Vec3::Zero(), worst_coverage_place = Vec3::Zero();
+  std::vector<Index> unmatched_chains;  ///< feature chains of the target that no crease of the cage follows
+  std::vector<VertexTarget> vertex_targets;  ///< #V of the last level
+};
+
+/// The paper's loop with the five cures of METHOD section 3: interpolating start; feature chains by arc
+/// length; projection along the limit normal to compatible faces with nearest point as the fall-back;
+/// hierarchical solve (corners, creases, interior) by CGLS; tangential relaxation in early passes. A pass is
+/// kept only if nothing folds and the error falls. Throws Error(input) when the cage cannot belong to the
+/// target (too far away, turned inside out, wrong unit).
+SurfaceFit fit_surface(const Cage& cage, const TargetSurface& target, const FitSettings& settings,
+                       Progress& progress);
+
+}  // namespace flowcage
