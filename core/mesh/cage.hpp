@@ -8,7 +8,7 @@
 namespace flowcage {
 
 /// The coarse polyhedron that a user draws (Rom & Brakhage 2011, section 2): any polygons, any genus, open or
-/// closed. Plain data; `lint` and `build_surface_level` say whether it is a usable manifold.
+/// closed. Plain data; `find_manifold_defect` and `build_surface_level` say whether it is a usable manifold.
 struct Cage {
   struct Crease {
     Index a = no_index, b = no_index;  ///< end vertices of an edge of the cage
