@@ -14,8 +14,8 @@ namespace {
 constexpr std::array<std::array<int, 2>, 3> other_axes{{{1, 2}, {0, 2}, {0, 1}}};
 
 /// Divisions of a quad along its first side and along its last.
-std::array<Index, 2> quad_divisions(const HexComplex& c, const std::vector<Index>& chord_divisions, Index quad,
-                                    std::array<Index, 2> hex_and_face) {
+std::array<Index, 2> quad_divisions(const HexComplex& c, const std::vector<Index>& chord_divisions,
+                                    Index quad, std::array<Index, 2> hex_and_face) {
   const auto [hex, face] = hex_and_face;
   const auto [a, b] = other_axes[face / 2];
   const std::array<Index, 2> along{chord_divisions[c.edge_chord[c.hex_edges[hex][4 * a]]],
@@ -57,8 +57,8 @@ Offsets count_points(const HexComplex& c, const std::vector<Index>& divisions) {
                           (divisions[c.edge_chord[c.hex_edges[hex][4 * b]]] - 1));
   }
   for (const auto& edges : c.hex_edges) {
-    take(result.hex, Offset{divisions[c.edge_chord[edges[0]]] - 1} *
-                         (divisions[c.edge_chord[edges[4]]] - 1) * (divisions[c.edge_chord[edges[8]]] - 1));
+    take(result.hex, Offset{divisions[c.edge_chord[edges[0]]] - 1} * (divisions[c.edge_chord[edges[4]]] - 1) *
+                         (divisions[c.edge_chord[edges[8]]] - 1));
   }
   result.total = static_cast<Index>(next);
   return result;
@@ -184,7 +184,8 @@ void BlockMesh::read_row(Index block, std::array<Index, 2> jk, std::span<Index> 
   if (ni == 1) return;
   out[1] = point_number(block, 1, jk[0], jk[1]);
   if (ni == 2) return;
-  const Index stride = point_number(block, 2, jk[0], jk[1]) - out[1];  // the same along the row's inner points
+  const Index stride =
+      point_number(block, 2, jk[0], jk[1]) - out[1];  // the same along the row's inner points
   for (Index i = 2; i < ni; ++i) out[i] = out[i - 1] + stride;
 }
 
@@ -218,7 +219,8 @@ void BlockMesh::read_cells(Offset begin, std::span<HexPoints> out) const {
 }
 
 void BlockMesh::build_patches() {
-  for (const HexComplex::Patch& patch : complex_->patches) patches_.push_back({patch.name, patch.type, {}, {}});
+  for (const HexComplex::Patch& patch : complex_->patches)
+    patches_.push_back({patch.name, patch.type, {}, {}});
   if (cell_count() > std::numeric_limits<Index>::max()) {
     throw Error(ErrorKind::input, "the mesh would have more than 2147483647 cells", "refine fewer times");
   }

@@ -113,9 +113,10 @@ void number_quads(HexComplex& c) {
         throw bad("a quad belongs to more than two blocks", centre(c, face));
       }
       if (!is_reverse(c.quads.back(), face)) {
-        throw bad(fmt::format("blocks {} and {} lie on the same side of a quad, or one is twisted or inside out",
-                              c.quad_hexes.back()[0], use.hex),
-                  centre(c, face));
+        throw bad(
+            fmt::format("blocks {} and {} lie on the same side of a quad, or one is twisted or inside out",
+                        c.quad_hexes.back()[0], use.hex),
+            centre(c, face));
       }
       c.quad_hexes.back()[1] = use.hex;
     }
@@ -125,7 +126,8 @@ void number_quads(HexComplex& c) {
 
 void assign_patches(HexComplex& c, const std::vector<BoundaryQuad>& boundary) {
   std::vector<std::pair<Quad, Index>> by_corners;  // of the complex's quads
-  for (Index q = 0; q < static_cast<Index>(c.quads.size()); ++q) by_corners.push_back({sorted(c.quads[q]), q});
+  for (Index q = 0; q < static_cast<Index>(c.quads.size()); ++q)
+    by_corners.push_back({sorted(c.quads[q]), q});
   std::sort(by_corners.begin(), by_corners.end());
   c.quad_patch.assign(c.quads.size(), no_index);
   for (const BoundaryQuad& given : boundary) {
@@ -139,7 +141,8 @@ void assign_patches(HexComplex& c, const std::vector<BoundaryQuad>& boundary) {
       throw bad("a boundary quad is a face of no block", centre(c, given.corners));
     }
     const Index q = found->second;
-    if (c.quad_hexes[q][1] != no_index) throw bad("a boundary quad lies between two blocks", centre(c, c.quads[q]));
+    if (c.quad_hexes[q][1] != no_index)
+      throw bad("a boundary quad lies between two blocks", centre(c, c.quads[q]));
     if (given.patch < 0 || given.patch >= static_cast<Index>(c.patches.size())) {
       throw bad(fmt::format("a boundary quad names patch {} of {}", given.patch, c.patches.size()),
                 centre(c, c.quads[q]));
@@ -252,8 +255,8 @@ void number_chords(HexComplex& c) {
 }  // namespace
 
 HexComplex build_hex_complex(std::vector<Vec3> points, std::vector<HexPoints> hexes,
-                             std::vector<HexComplex::Patch> patches, const std::vector<BoundaryQuad>& boundary,
-                             const std::vector<SharpEdge>& sharp) {
+                             std::vector<HexComplex::Patch> patches,
+                             const std::vector<BoundaryQuad>& boundary, const std::vector<SharpEdge>& sharp) {
   HexComplex c;
   c.points = std::move(points);
   c.hexes = std::move(hexes);

@@ -26,18 +26,8 @@ constexpr int hex_corner_at(int i, int j, int k) {
   return 4 * k + (j == 0 ? i : 3 - i);
 }
 
-inline constexpr std::array<std::array<int, 2>, 12> hex_edges{{{0, 1},
-                                                               {3, 2},
-                                                               {4, 5},
-                                                               {7, 6},
-                                                               {0, 3},
-                                                               {1, 2},
-                                                               {4, 7},
-                                                               {5, 6},
-                                                               {0, 4},
-                                                               {1, 5},
-                                                               {3, 7},
-                                                               {2, 6}}};
+inline constexpr std::array<std::array<int, 2>, 12> hex_edges{
+    {{0, 1}, {3, 2}, {4, 5}, {7, 6}, {0, 3}, {1, 2}, {4, 7}, {5, 6}, {0, 4}, {1, 5}, {3, 7}, {2, 6}}};
 
 /// Maps to other programs' orders: entry n is our number of their n-th item. Corners agree everywhere.
 /// VTK (VTK_QUADRATIC_HEXAHEDRON's mid-edge nodes; its faces are hex_faces).

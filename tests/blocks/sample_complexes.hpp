@@ -3,9 +3,25 @@
 #include <map>
 #include <random>
 
+#include "core/base/error.hpp"
 #include "core/mesh/hex_complex.hpp"
 
 namespace flowcage::sample {
+
+/// The message of the Error that `f` throws; "" if it throws none.
+template <typename F>
+std::string message_of(F&& f) {
+  try {
+    f();
+  } catch (const Error& e) {
+    return e.what();
+  }
+  return "";
+}
+
+inline bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
 
 inline std::array<Index, 4> face_of_hex(const HexPoints& hex, int face) {
   const auto& f = hex_faces[face];
@@ -75,7 +91,7 @@ inline std::vector<BoundaryQuad> boundary_of(const HexComplex& c) {
 
 /// A hex seen in another of its 24 right-handed orientations.
 inline HexPoints turned(HexPoints h, std::mt19937& random) {
-  for (unsigned n = random() % 6; n > 0; --n) {
+  for (auto n = random() % 6; n > 0; --n) {
     h = random() % 2 == 0 ? HexPoints{h[1], h[2], h[3], h[0], h[5], h[6], h[7], h[4]}   // about k
                           : HexPoints{h[4], h[5], h[1], h[0], h[7], h[6], h[2], h[3]};  // about i
   }
