@@ -176,6 +176,28 @@ Index BlockMesh::point_number(Index block, Index i, Index j, Index k) const {
   return base + stride_a * at[a] + stride_b * at[b];
 }
 
+QuadLattice BlockMesh::quad_lattice(Index quad) const {
+  const HexComplex& c = *complex_;
+  QuadLattice lattice;
+  lattice.block = c.quad_hexes[quad][0];
+  const HexPoints& hex = c.hexes[lattice.block];
+  const auto& n = frames_[lattice.block].dims;
+  const auto at = [&](int corner) {
+    return hex_corner_ijk[std::find(hex.begin(), hex.end(), c.quads[quad][corner]) - hex.begin()];
+  };
+  const auto origin = at(0);
+  const auto u_end = at(1);
+  const auto v_end = at(3);
+  for (int axis = 0; axis < 3; ++axis) {
+    lattice.origin[axis] = origin[axis] * n[axis];
+    lattice.du[axis] = u_end[axis] - origin[axis];
+    lattice.dv[axis] = v_end[axis] - origin[axis];
+    if (lattice.du[axis] != 0) lattice.nu = n[axis];
+    if (lattice.dv[axis] != 0) lattice.nv = n[axis];
+  }
+  return lattice;
+}
+
 /// The ni + 1 points of a block's row (j,k).
 void BlockMesh::read_row(Index block, std::array<Index, 2> jk, std::span<Index> out) const {
   const Index ni = frames_[block].dims[0];

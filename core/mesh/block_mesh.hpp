@@ -6,6 +6,14 @@
 
 namespace flowcage {
 
+/// The lattice of a coarse quad as one of its blocks sees it: the quad's (u,v), u along its first side and v
+/// along its last, is (i,j,k) = origin + u du + v dv of the block.
+struct QuadLattice {
+  Index block = no_index;
+  std::array<Index, 3> origin{}, du{}, dv{};
+  Index nu = 1, nv = 1;  ///< divisions
+};
+
 /// A HexComplex whose block b is divided into dims(b) cells; chords carry the divisions, so blocks fit by
 /// construction.
 ///
@@ -30,6 +38,12 @@ class BlockMesh final : public HexView {
   const std::vector<Index>& chord_divisions() const { return chord_divisions_; }
   std::array<Index, 3> dims(Index block) const;
   Index point_number(Index block, Index i, Index j, Index k) const;
+  QuadLattice quad_lattice(Index quad) const;
+  Index point_number(const QuadLattice& at, Index u, Index v) const {
+    return point_number(at.block, at.origin[0] + u * at.du[0] + v * at.dv[0],
+                        at.origin[1] + u * at.du[1] + v * at.dv[1],
+                        at.origin[2] + u * at.du[2] + v * at.dv[2]);
+  }
   std::vector<Vec3>& mutable_points() { return points_; }
 
   /// First point owned by an edge (1 <= t < divisions: edge_points(e) + t - 1), quad or hex.
