@@ -1,0 +1,320 @@
+#include "core/export/write_polymesh.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <optional>
+
+#include "core/base/parallel.hpp"
+#include "core/export/face_stream.hpp"
+#include "core/export/output_file.hpp"
+#include "core/export/patch_names.hpp"
+#include "core/mesh/visit_cells.hpp"
+#include "core/quality/foam_metrics.hpp"
+
+namespace flowcage {
+namespace {
+
+constexpr Offset point_grain = 32768;
+
+struct FoamFile {
+  const char* class_name;
+  const char* location;
+  const char* object;
+  std::string note = {};
+};
+
+std::string header(const FoamFile& file, bool binary) {
+  std::string text =
+      fmt::format("FoamFile\n{{\n    version     2.0;\n    format      {};\n", binary ? "binary" : "ascii");
+  if (binary) text += "    arch        \"LSB;label=32;scalar=64\";\n";
+  text += fmt::format("    class       {};\n", file.class_name);
+  if (!file.note.empty()) text += fmt::format("    note        \"{}\";\n", file.note);
+  text += fmt::format("    location    \"{}\";\n    object      {};\n}}\n\n", file.location, file.object);
+  return text;
+}
+
+void check_finite(const HexView& mesh) {
+  const auto points = mesh.points();
+  const Offset none = static_cast<Offset>(points.size());
+  const Offset first = parallel_reduce(
+      none, point_grain, none,
+      [&](Offset begin, Offset end) {
+        for (Offset p = begin; p < end; ++p) {
+          if (!points[p].allFinite()) return p;
+        }
+        return none;
+      },
+      [](Offset a, Offset b) { return std::min(a, b); });
+  if (first == none) return;
+  throw Error(ErrorKind::gate,
+              fmt::format("point {} of the mesh is not finite: {}", first, place(points[first])),
+              "the mesh cannot be written as a polyMesh");
+}
+
+// OpenFOAM stops at a symmetryPlane whose unit face normals differ from their mean by 3e-8.
+bool is_flat(const HexView& mesh, const BoundaryPatch& patch) {
+  Vec3 sum = Vec3::Zero();
+  const auto normal_of = [&](const std::array<Index, 4>& q) {
+    const auto p = mesh.points();
+    return Vec3(face_geometry({p[q[0]], p[q[1]], p[q[2]], p[q[3]]}).area.normalized());
+  };
+  for (const auto& quad : patch.quads) sum += normal_of(quad);
+  const Vec3 mean = sum.normalized();
+  return std::all_of(patch.quads.begin(), patch.quads.end(),
+                     [&](const auto& quad) { return (normal_of(quad) - mean).squaredNorm() <= 1e-15; });
+}
+
+class PolyMeshWriter {
+ public:
+  PolyMeshWriter(const std::filesystem::path& folder, const HexView& mesh, const HexAdjacency& adjacency,
+                 const PolyMeshSettings& settings)
+      : folder_(folder), mesh_(mesh), adjacency_(adjacency), settings_(settings) {
+    faces_ = adjacency.internal_faces + adjacency.boundary_faces();
+  }
+
+  void points() {
+    const auto points = mesh_.points();
+    OutputFile file(poly_mesh("points"));
+    file.write(header({"vectorField", location, "points"}, settings_.binary));
+    open_list(file, static_cast<Offset>(points.size()));
+    file.write_ranges(static_cast<Offset>(points.size()), point_grain,
+                      [&](Offset begin, Offset end, std::string& text) {
+                        if (settings_.binary) {
+                          static_assert(sizeof(Vec3) == 3 * sizeof(double));
+                          text.append(reinterpret_cast<const char*>(points.data() + begin),
+                                      static_cast<std::size_t>(end - begin) * sizeof(Vec3));
+                          return;
+                        }
+                        for (Offset p = begin; p < end; ++p) {
+                          for (int d = 0; d < 3; ++d) {
+                            text += d == 0 ? '(' : ' ';
+                            append_number(text, points[p][d]);
+                          }
+                          text += ")\n";
+                        }
+                      });
+    close_list(file);
+  }
+
+  void faces() {
+    OutputFile file(poly_mesh("faces"));
+    file.write(
+        header({settings_.binary ? "faceCompactList" : "faceList", location, "faces"}, settings_.binary));
+    if (settings_.binary) {
+      // A compact list is two lists: where each face begins, and all point numbers.
+      if (4 * faces_ > std::numeric_limits<Index>::max()) {
+        throw Error(ErrorKind::output,
+                    fmt::format("{} faces are more than a binary polyMesh with 32-bit labels holds", faces_),
+                    "write the ASCII form");
+      }
+      open_list(file, faces_ + 1);
+      file.write_ranges(faces_ + 1, point_grain, [&](Offset begin, Offset end, std::string& text) {
+        for (Offset f = begin; f < end; ++f) append_raw(text, static_cast<Index>(4 * f));
+      });
+      close_list(file);
+      open_list(file, 4 * faces_);
+    } else {
+      open_list(file, faces_);
+    }
+    const auto append = [&](const std::array<Index, 4>& quad, std::string& text) {
+      if (settings_.binary) {
+        append_raw(text, quad);
+        return;
+      }
+      for (int i = 0; i < 4; ++i) {
+        text += i == 0 ? "4(" : " ";
+        append_number(text, quad[i]);
+      }
+      text += ")\n";
+    };
+    for_internal_faces(file, [&](const InternalFace& face, std::string& text) { append(face.points, text); });
+    for (const BoundaryPatch& patch : mesh_.patches()) {
+      file.write_ranges(static_cast<Offset>(patch.quads.size()), point_grain,
+                        [&](Offset begin, Offset end, std::string& text) {
+                          for (Offset q = begin; q < end; ++q) append(patch.quads[q], text);
+                        });
+    }
+    close_list(file);
+  }
+
+  void owner_and_neighbour() {
+    const std::string note =
+        fmt::format("nPoints:{}  nCells:{}  nFaces:{}  nInternalFaces:{}", mesh_.points().size(),
+                    mesh_.cell_count(), faces_, adjacency_.internal_faces);
+    OutputFile owner(poly_mesh("owner"));
+    owner.write(header({"labelList", location, "owner", note}, settings_.binary));
+    open_list(owner, faces_);
+    for_internal_faces(owner, [&](const InternalFace& f, std::string& text) { append_label(text, f.owner); });
+    write_labels(owner, adjacency_.boundary_owner);
+    close_list(owner);
+
+    OutputFile neighbour(poly_mesh("neighbour"));
+    neighbour.write(header({"labelList", location, "neighbour", note}, settings_.binary));
+    open_list(neighbour, adjacency_.internal_faces);
+    for_internal_faces(neighbour,
+                       [&](const InternalFace& f, std::string& text) { append_label(text, f.neighbour); });
+    close_list(neighbour);
+  }
+
+  std::vector<std::string> boundary() {
+    std::vector<std::string> given;
+    for (const BoundaryPatch& patch : mesh_.patches()) given.push_back(patch.name);
+    auto [names, notes] = legal_patch_names(given);
+    OutputFile file(poly_mesh("boundary"));
+    file.write(header({"polyBoundaryMesh", location, "boundary"}, false));
+    file.write(fmt::format("{}\n(\n", names.size()));
+    Offset start = adjacency_.internal_faces;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const BoundaryPatch& patch = mesh_.patches()[i];
+      std::string type = "patch", physical;
+      switch (patch.type) {
+        case PatchType::wall:
+          type = "wall";
+          break;
+        case PatchType::symmetry:
+          type = is_flat(mesh_, patch) ? "symmetryPlane" : "symmetry";
+          break;
+        case PatchType::farfield:
+          physical = "farfield";
+          break;
+        case PatchType::inlet:
+          physical = "inlet";
+          break;
+        case PatchType::outlet:
+          physical = "outlet";
+          break;
+      }
+      if (type == "symmetry") {
+        notes.push_back(
+            fmt::format("patch \"{}\" is not flat: written as symmetry, not as symmetryPlane", names[i]));
+      }
+      file.write(fmt::format("    {}\n    {{\n        type            {};\n", names[i], type));
+      if (!physical.empty()) file.write(fmt::format("        physicalType    {};\n", physical));
+      file.write(fmt::format("        nFaces          {};\n        startFace       {};\n    }}\n",
+                             patch.quads.size(), start));
+      start += static_cast<Offset>(patch.quads.size());
+    }
+    file.write(")\n");
+    file.close();
+    return notes;
+  }
+
+  void cell_zones() {
+    // Cells by block; within a block ascending, as OpenFOAM keeps them.
+    std::vector<Offset> first(static_cast<std::size_t>(mesh_.block_count()) + 1, 0);
+    for (Offset c = 0; c < mesh_.cell_count(); ++c) ++first[mesh_.block_of(c) + 1];
+    for (std::size_t b = 1; b < first.size(); ++b) first[b] += first[b - 1];
+    std::vector<Index> cells(static_cast<std::size_t>(mesh_.cell_count()));
+    std::vector<Offset> next(first.begin(), first.end() - 1);
+    for (Offset c = 0; c < mesh_.cell_count(); ++c) {
+      cells[next[mesh_.block_of(c)]++] = static_cast<Index>(c);
+    }
+    OutputFile file(poly_mesh("cellZones"));
+    file.write(header({"regIOobject", location, "cellZones"}, settings_.binary));
+    file.write(fmt::format("{}\n(\n", mesh_.block_count()));
+    for (Index b = 0; b < mesh_.block_count(); ++b) {
+      file.write(
+          fmt::format("block{}\n{{\n    type            cellZone;\n    cellLabels      List<label> ", b));
+      open_list(file, first[b + 1] - first[b]);
+      write_labels(file, std::span(cells).subspan(first[b], first[b + 1] - first[b]));
+      file.write(settings_.binary ? ");\n}\n" : "\n);\n}\n");
+    }
+    file.write(")\n");
+    file.close();
+  }
+
+  void case_files() {
+    const auto system = folder_ / "system";
+    std::filesystem::create_directories(system);
+    const auto write = [&](const char* name, const std::string& body) {
+      OutputFile file(system / name);
+      file.write(header({"dictionary", "system", name}, false) + body);
+      file.close();
+    };
+    write("controlDict", fmt::format("application     potentialFoam;\nstartFrom       startTime;\n"
+                                     "startTime       0;\nstopAt          endTime;\nendTime         1;\n"
+                                     "deltaT          1;\nwriteControl    timeStep;\nwriteInterval   1;\n"
+                                     "writeFormat     {};\nwritePrecision  12;\n",
+                                     settings_.binary ? "binary" : "ascii"));
+    write("fvSchemes",
+          "ddtSchemes { default steadyState; }\ngradSchemes { default Gauss linear; }\n"
+          "divSchemes { default none; div(phi,U) Gauss linear; div(div(phi,U)) Gauss linear; }\n"
+          "laplacianSchemes { default Gauss linear corrected; }\n"
+          "interpolationSchemes { default linear; }\nsnGradSchemes { default corrected; }\n");
+    write("fvSolution",
+          "solvers\n{\n    Phi { solver GAMG; smoother DIC; tolerance 1e-8; relTol 0.01; }\n"
+          "    p { $Phi; }\n}\npotentialFlow { nNonOrthogonalCorrectors 10; }\n");
+    if (!settings_.foam_file.empty()) OutputFile(folder_ / settings_.foam_file).close();
+  }
+
+  std::filesystem::path poly_mesh(const char* name) const { return folder_ / location / name; }
+  static constexpr const char* location = "constant/polyMesh";
+
+ private:
+  void open_list(OutputFile& file, Offset count) const {
+    file.write(fmt::format(fmt::runtime(settings_.binary ? "{}\n(" : "{}\n(\n"), count));
+  }
+  static void close_list(OutputFile& file) { file.write(")\n"); }
+  void append_label(std::string& text, Index value) const {
+    if (settings_.binary) {
+      append_raw(text, value);
+    } else {
+      append_number(text, value);
+      text += '\n';
+    }
+  }
+  void write_labels(OutputFile& file, std::span<const Index> labels) const {
+    file.write_ranges(static_cast<Offset>(labels.size()), point_grain,
+                      [&](Offset begin, Offset end, std::string& text) {
+                        for (Offset i = begin; i < end; ++i) append_label(text, labels[i]);
+                      });
+  }
+  template <typename Append>
+  void for_internal_faces(OutputFile& file, const Append& append) const {
+    file.write_ranges(mesh_.cell_count(), cell_grain, [&](Offset begin, Offset end, std::string& text) {
+      std::vector<InternalFace> faces;
+      read_internal_faces(mesh_, adjacency_, begin, end, faces);
+      for (const InternalFace& face : faces) append(face, text);
+    });
+  }
+
+  std::filesystem::path folder_;
+  const HexView& mesh_;
+  const HexAdjacency& adjacency_;
+  const PolyMeshSettings& settings_;
+  Offset faces_ = 0;
+};
+
+}  // namespace
+
+std::vector<std::string> write_polymesh(const std::filesystem::path& folder, const HexView& mesh,
+                                        const HexAdjacency& adjacency, const PolyMeshSettings& settings,
+                                        Progress* progress) {
+  const auto step = [&](double fraction) {
+    if (progress) progress->step("write polyMesh", fraction);
+  };
+  check_finite(mesh);
+  PolyMeshWriter writer(folder, mesh, adjacency, settings);
+  std::error_code failed;
+  std::filesystem::create_directories(folder / PolyMeshWriter::location, failed);
+  if (failed) {
+    throw Error(ErrorKind::output,
+                fmt::format("{}: cannot make the folder: {}", folder.string(), failed.message()),
+                "name another place");
+  }
+  step(0);
+  writer.points();
+  step(0.3);
+  writer.faces();
+  step(0.7);
+  writer.owner_and_neighbour();
+  step(0.9);
+  std::vector<std::string> notes = writer.boundary();
+  if (settings.block_zones) writer.cell_zones();
+  if (settings.case_files) writer.case_files();
+  step(1);
+  return notes;
+}
+
+}  // namespace flowcage
