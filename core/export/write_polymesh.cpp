@@ -7,8 +7,8 @@
 
 #include "core/base/parallel.hpp"
 #include "core/export/face_stream.hpp"
-#include "core/export/output_file.hpp"
 #include "core/export/patch_names.hpp"
+#include "core/export/write_ranges.hpp"
 #include "core/mesh/visit_cells.hpp"
 #include "core/quality/foam_metrics.hpp"
 
@@ -67,7 +67,7 @@ bool is_flat(const HexView& mesh, const BoundaryPatch& patch) {
 
 class PolyMeshWriter {
  public:
-  PolyMeshWriter(const std::filesystem::path& folder, const HexView& mesh, const HexAdjacency& adjacency,
+  PolyMeshWriter(AtomicFolder& folder, const HexView& mesh, const HexAdjacency& adjacency,
                  const PolyMeshSettings& settings)
       : folder_(folder), mesh_(mesh), adjacency_(adjacency), settings_(settings) {
     faces_ = adjacency.internal_faces + adjacency.boundary_faces();
@@ -75,32 +75,34 @@ class PolyMeshWriter {
 
   void points() {
     const auto points = mesh_.points();
-    OutputFile file(poly_mesh("points"));
-    file.write(header({"vectorField", location, "points"}, settings_.binary));
+    const auto stored = folder_.create("points");
+    OutputFile& file = *stored;
+    file << header({"vectorField", location, "points"}, settings_.binary);
     open_list(file, static_cast<Offset>(points.size()));
-    file.write_ranges(static_cast<Offset>(points.size()), point_grain,
-                      [&](Offset begin, Offset end, std::string& text) {
-                        if (settings_.binary) {
-                          static_assert(sizeof(Vec3) == 3 * sizeof(double));
-                          text.append(reinterpret_cast<const char*>(points.data() + begin),
-                                      static_cast<std::size_t>(end - begin) * sizeof(Vec3));
-                          return;
-                        }
-                        for (Offset p = begin; p < end; ++p) {
-                          for (int d = 0; d < 3; ++d) {
-                            text += d == 0 ? '(' : ' ';
-                            append_number(text, points[p][d]);
-                          }
-                          text += ")\n";
-                        }
-                      });
-    close_list(file);
+    write_ranges(file, static_cast<Offset>(points.size()), point_grain,
+                 [&](Offset begin, Offset end, std::string& text) {
+                   if (settings_.binary) {
+                     static_assert(sizeof(Vec3) == 3 * sizeof(double));
+                     text.append(reinterpret_cast<const char*>(points.data() + begin),
+                                 static_cast<std::size_t>(end - begin) * sizeof(Vec3));
+                     return;
+                   }
+                   for (Offset p = begin; p < end; ++p) {
+                     for (int d = 0; d < 3; ++d) {
+                       text += d == 0 ? '(' : ' ';
+                       append_number(text, points[p][d]);
+                     }
+                     text += ")\n";
+                   }
+                 });
+    file << ")\n";
+    file.close();
   }
 
   void faces() {
-    OutputFile file(poly_mesh("faces"));
-    file.write(
-        header({settings_.binary ? "faceCompactList" : "faceList", location, "faces"}, settings_.binary));
+    const auto stored = folder_.create("faces");
+    OutputFile& file = *stored;
+    file << header({settings_.binary ? "faceCompactList" : "faceList", location, "faces"}, settings_.binary);
     if (settings_.binary) {
       // A compact list is two lists: where each face begins, and all point numbers.
       if (4 * faces_ > std::numeric_limits<Index>::max()) {
@@ -109,10 +111,10 @@ class PolyMeshWriter {
                     "write the ASCII form");
       }
       open_list(file, faces_ + 1);
-      file.write_ranges(faces_ + 1, point_grain, [&](Offset begin, Offset end, std::string& text) {
+      write_ranges(file, faces_ + 1, point_grain, [&](Offset begin, Offset end, std::string& text) {
         for (Offset f = begin; f < end; ++f) append_raw(text, static_cast<Index>(4 * f));
       });
-      close_list(file);
+      file << ")\n";
       open_list(file, 4 * faces_);
     } else {
       open_list(file, faces_);
@@ -130,40 +132,46 @@ class PolyMeshWriter {
     };
     for_internal_faces(file, [&](const InternalFace& face, std::string& text) { append(face.points, text); });
     for (const BoundaryPatch& patch : mesh_.patches()) {
-      file.write_ranges(static_cast<Offset>(patch.quads.size()), point_grain,
-                        [&](Offset begin, Offset end, std::string& text) {
-                          for (Offset q = begin; q < end; ++q) append(patch.quads[q], text);
-                        });
+      write_ranges(file, static_cast<Offset>(patch.quads.size()), point_grain,
+                   [&](Offset begin, Offset end, std::string& text) {
+                     for (Offset q = begin; q < end; ++q) append(patch.quads[q], text);
+                   });
     }
-    close_list(file);
+    file << ")\n";
+    file.close();
   }
 
   void owner_and_neighbour() {
     const std::string note =
         fmt::format("nPoints:{}  nCells:{}  nFaces:{}  nInternalFaces:{}", mesh_.points().size(),
                     mesh_.cell_count(), faces_, adjacency_.internal_faces);
-    OutputFile owner(poly_mesh("owner"));
-    owner.write(header({"labelList", location, "owner", note}, settings_.binary));
+    const auto owner_stored = folder_.create("owner");
+    OutputFile& owner = *owner_stored;
+    owner << header({"labelList", location, "owner", note}, settings_.binary);
     open_list(owner, faces_);
     for_internal_faces(owner, [&](const InternalFace& f, std::string& text) { append_label(text, f.owner); });
     write_labels(owner, adjacency_.boundary_owner);
-    close_list(owner);
+    owner << ")\n";
+    owner.close();
 
-    OutputFile neighbour(poly_mesh("neighbour"));
-    neighbour.write(header({"labelList", location, "neighbour", note}, settings_.binary));
+    const auto neighbour_stored = folder_.create("neighbour");
+    OutputFile& neighbour = *neighbour_stored;
+    neighbour << header({"labelList", location, "neighbour", note}, settings_.binary);
     open_list(neighbour, adjacency_.internal_faces);
     for_internal_faces(neighbour,
                        [&](const InternalFace& f, std::string& text) { append_label(text, f.neighbour); });
-    close_list(neighbour);
+    neighbour << ")\n";
+    neighbour.close();
   }
 
   std::vector<std::string> boundary() {
     std::vector<std::string> given;
     for (const BoundaryPatch& patch : mesh_.patches()) given.push_back(patch.name);
     auto [names, notes] = legal_patch_names(given);
-    OutputFile file(poly_mesh("boundary"));
-    file.write(header({"polyBoundaryMesh", location, "boundary"}, false));
-    file.write(fmt::format("{}\n(\n", names.size()));
+    const auto stored = folder_.create("boundary");
+    OutputFile& file = *stored;
+    file << header({"polyBoundaryMesh", location, "boundary"}, false);
+    file << fmt::format("{}\n(\n", names.size());
     Offset start = adjacency_.internal_faces;
     for (std::size_t i = 0; i < names.size(); ++i) {
       const BoundaryPatch& patch = mesh_.patches()[i];
@@ -189,13 +197,13 @@ class PolyMeshWriter {
         notes.push_back(
             fmt::format("patch \"{}\" is not flat: written as symmetry, not as symmetryPlane", names[i]));
       }
-      file.write(fmt::format("    {}\n    {{\n        type            {};\n", names[i], type));
-      if (!physical.empty()) file.write(fmt::format("        physicalType    {};\n", physical));
-      file.write(fmt::format("        nFaces          {};\n        startFace       {};\n    }}\n",
-                             patch.quads.size(), start));
+      file << fmt::format("    {}\n    {{\n        type            {};\n", names[i], type);
+      if (!physical.empty()) file << fmt::format("        physicalType    {};\n", physical);
+      file << fmt::format("        nFaces          {};\n        startFace       {};\n    }}\n",
+                          patch.quads.size(), start);
       start += static_cast<Offset>(patch.quads.size());
     }
-    file.write(")\n");
+    file << ")\n";
     file.close();
     return notes;
   }
@@ -210,52 +218,26 @@ class PolyMeshWriter {
     for (Offset c = 0; c < mesh_.cell_count(); ++c) {
       cells[next[mesh_.block_of(c)]++] = static_cast<Index>(c);
     }
-    OutputFile file(poly_mesh("cellZones"));
-    file.write(header({"regIOobject", location, "cellZones"}, settings_.binary));
-    file.write(fmt::format("{}\n(\n", mesh_.block_count()));
+    const auto stored = folder_.create("cellZones");
+    OutputFile& file = *stored;
+    file << header({"regIOobject", location, "cellZones"}, settings_.binary);
+    file << fmt::format("{}\n(\n", mesh_.block_count());
     for (Index b = 0; b < mesh_.block_count(); ++b) {
-      file.write(
-          fmt::format("block{}\n{{\n    type            cellZone;\n    cellLabels      List<label> ", b));
+      file << fmt::format("block{}\n{{\n    type            cellZone;\n    cellLabels      List<label> ", b);
       open_list(file, first[b + 1] - first[b]);
       write_labels(file, std::span(cells).subspan(first[b], first[b + 1] - first[b]));
-      file.write(settings_.binary ? ");\n}\n" : "\n);\n}\n");
+      file << (settings_.binary ? ");\n}\n" : "\n);\n}\n");
     }
-    file.write(")\n");
+    file << ")\n";
     file.close();
   }
 
-  void case_files() {
-    const auto system = folder_ / "system";
-    std::filesystem::create_directories(system);
-    const auto write = [&](const char* name, const std::string& body) {
-      OutputFile file(system / name);
-      file.write(header({"dictionary", "system", name}, false) + body);
-      file.close();
-    };
-    write("controlDict", fmt::format("application     potentialFoam;\nstartFrom       startTime;\n"
-                                     "startTime       0;\nstopAt          endTime;\nendTime         1;\n"
-                                     "deltaT          1;\nwriteControl    timeStep;\nwriteInterval   1;\n"
-                                     "writeFormat     {};\nwritePrecision  12;\n",
-                                     settings_.binary ? "binary" : "ascii"));
-    write("fvSchemes",
-          "ddtSchemes { default steadyState; }\ngradSchemes { default Gauss linear; }\n"
-          "divSchemes { default none; div(phi,U) Gauss linear; div(div(phi,U)) Gauss linear; }\n"
-          "laplacianSchemes { default Gauss linear corrected; }\n"
-          "interpolationSchemes { default linear; }\nsnGradSchemes { default corrected; }\n");
-    write("fvSolution",
-          "solvers\n{\n    Phi { solver GAMG; smoother DIC; tolerance 1e-8; relTol 0.01; }\n"
-          "    p { $Phi; }\n}\npotentialFlow { nNonOrthogonalCorrectors 10; }\n");
-    if (!settings_.foam_file.empty()) OutputFile(folder_ / settings_.foam_file).close();
-  }
-
-  std::filesystem::path poly_mesh(const char* name) const { return folder_ / location / name; }
   static constexpr const char* location = "constant/polyMesh";
 
  private:
   void open_list(OutputFile& file, Offset count) const {
-    file.write(fmt::format(fmt::runtime(settings_.binary ? "{}\n(" : "{}\n(\n"), count));
+    file << fmt::format(fmt::runtime(settings_.binary ? "{}\n(" : "{}\n(\n"), count);
   }
-  static void close_list(OutputFile& file) { file.write(")\n"); }
   void append_label(std::string& text, Index value) const {
     if (settings_.binary) {
       append_raw(text, value);
@@ -265,21 +247,21 @@ class PolyMeshWriter {
     }
   }
   void write_labels(OutputFile& file, std::span<const Index> labels) const {
-    file.write_ranges(static_cast<Offset>(labels.size()), point_grain,
-                      [&](Offset begin, Offset end, std::string& text) {
-                        for (Offset i = begin; i < end; ++i) append_label(text, labels[i]);
-                      });
+    write_ranges(file, static_cast<Offset>(labels.size()), point_grain,
+                 [&](Offset begin, Offset end, std::string& text) {
+                   for (Offset i = begin; i < end; ++i) append_label(text, labels[i]);
+                 });
   }
   template <typename Append>
   void for_internal_faces(OutputFile& file, const Append& append) const {
-    file.write_ranges(mesh_.cell_count(), cell_grain, [&](Offset begin, Offset end, std::string& text) {
+    write_ranges(file, mesh_.cell_count(), cell_grain, [&](Offset begin, Offset end, std::string& text) {
       std::vector<InternalFace> faces;
       read_internal_faces(mesh_, adjacency_, begin, end, faces);
       for (const InternalFace& face : faces) append(face, text);
     });
   }
 
-  std::filesystem::path folder_;
+  AtomicFolder& folder_;
   const HexView& mesh_;
   const HexAdjacency& adjacency_;
   const PolyMeshSettings& settings_;
@@ -288,7 +270,13 @@ class PolyMeshWriter {
 
 }  // namespace
 
-std::vector<std::string> write_polymesh(const std::filesystem::path& folder, const HexView& mesh,
+std::vector<std::string> polymesh_entries() {
+  return {"points",    "faces",      "owner",    "neighbour",    "boundary",   "cellZones",
+          "faceZones", "pointZones", "sets",     "level0Edge",   "cellLevel",  "pointLevel",
+          "points.gz", "faces.gz",   "owner.gz", "neighbour.gz", "boundary.gz"};
+}
+
+std::vector<std::string> write_polymesh(AtomicFolder& folder, const HexView& mesh,
                                         const HexAdjacency& adjacency, const PolyMeshSettings& settings,
                                         Progress* progress) {
   const auto step = [&](double fraction) {
@@ -296,13 +284,6 @@ std::vector<std::string> write_polymesh(const std::filesystem::path& folder, con
   };
   check_finite(mesh);
   PolyMeshWriter writer(folder, mesh, adjacency, settings);
-  std::error_code failed;
-  std::filesystem::create_directories(folder / PolyMeshWriter::location, failed);
-  if (failed) {
-    throw Error(ErrorKind::output,
-                fmt::format("{}: cannot make the folder: {}", folder.string(), failed.message()),
-                "name another place");
-  }
   step(0);
   writer.points();
   step(0.3);
@@ -312,8 +293,52 @@ std::vector<std::string> write_polymesh(const std::filesystem::path& folder, con
   step(0.9);
   std::vector<std::string> notes = writer.boundary();
   if (settings.block_zones) writer.cell_zones();
-  if (settings.case_files) writer.case_files();
   step(1);
+  return notes;
+}
+
+void write_case_files(const std::filesystem::path& case_folder, const std::string& foam_file) {
+  const auto write_missing = [&](const std::filesystem::path& file, const std::string& text) {
+    std::error_code ignored;
+    if (std::filesystem::exists(file, ignored)) return;
+    AtomicFile stored(file);
+    stored.stream() << text;
+    stored.commit();
+  };
+  const auto system = case_folder / "system";
+  std::error_code failed;
+  std::filesystem::create_directories(system, failed);
+  if (failed) {
+    throw Error(ErrorKind::output,
+                fmt::format("{}: cannot make the folder: {}", system.string(), failed.message()),
+                "choose another place with -o");
+  }
+  const auto dictionary = [&](const char* name, const std::string& body) {
+    write_missing(system / name, header({"dictionary", "system", name}, false) + body);
+  };
+  dictionary("controlDict",
+             "application     potentialFoam;\nstartFrom       startTime;\nstartTime       0;\n"
+             "stopAt          endTime;\nendTime         1;\ndeltaT          1;\n"
+             "writeControl    timeStep;\nwriteInterval   1;\nwriteFormat     binary;\n"
+             "writePrecision  12;\n");
+  dictionary("fvSchemes",
+             "ddtSchemes { default steadyState; }\ngradSchemes { default Gauss linear; }\n"
+             "divSchemes { default none; div(phi,U) Gauss linear; div(div(phi,U)) Gauss linear; }\n"
+             "laplacianSchemes { default Gauss linear corrected; }\n"
+             "interpolationSchemes { default linear; }\nsnGradSchemes { default corrected; }\n");
+  dictionary("fvSolution",
+             "solvers\n{\n    Phi { solver GAMG; smoother DIC; tolerance 1e-8; relTol 0.01; }\n"
+             "    p { $Phi; }\n}\npotentialFlow { nNonOrthogonalCorrectors 10; }\n");
+  write_missing(case_folder / foam_file, "");
+}
+
+std::vector<std::string> write_openfoam_case(const std::filesystem::path& case_folder, const HexView& mesh,
+                                             const HexAdjacency& adjacency, const PolyMeshSettings& settings,
+                                             Progress* progress) {
+  AtomicFolder folder(case_folder, "constant/polyMesh", polymesh_entries());
+  std::vector<std::string> notes = write_polymesh(folder, mesh, adjacency, settings, progress);
+  folder.commit();
+  write_case_files(case_folder, "case.foam");
   return notes;
 }
 

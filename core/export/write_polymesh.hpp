@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/atomic_file.hpp"
 #include "core/base/progress.hpp"
 #include "core/mesh/hex_adjacency.hpp"
 
@@ -10,23 +11,34 @@ namespace flowcage {
 
 struct PolyMeshSettings {
   bool binary = true;
-  bool block_zones = false;             ///< a cellZone for each block: block0, block1, ...
-  bool case_files = true;               ///< system/controlDict, fvSchemes, fvSolution and the .foam file
-  std::string foam_file = "case.foam";  ///< empty file that ParaView opens
+  bool block_zones = false;  ///< a cellZone for each block: block0, block1, ...
 };
 
-/// Writes an OpenFOAM case: constant/polyMesh (points, faces, owner, neighbour, boundary, cellZones) and the
-/// few files without which checkMesh and ParaView do not start. 32-bit labels, doubles, little-endian; ASCII
-/// numbers read back as the same bits.
+/// Writes an OpenFOAM polyMesh into a folder: points, faces, owner, neighbour, boundary, and cellZones if
+/// asked for. 32-bit labels, doubles, little-endian; ASCII numbers read back as the same bits. The caller
+/// commits.
 ///
-/// `folder` is created if need be; files of these names in it are replaced. Whether the case appears whole or
-/// not at all is the caller's: give a temporary folder and rename it.
 /// Patch types: wall -> wall; symmetry -> symmetryPlane where it is flat as OpenFOAM demands (unit normals
 /// within 3e-8), else symmetry, with a note; farfield, inlet, outlet -> patch with that physicalType.
 /// Returns notes for the user: renamed and bent patches. Throws Error(output) for a file that cannot be
 /// written, Error(gate) for a point that is not finite (OpenFOAM cannot read one).
-std::vector<std::string> write_polymesh(const std::filesystem::path& folder, const HexView& mesh,
+std::vector<std::string> write_polymesh(AtomicFolder& folder, const HexView& mesh,
                                         const HexAdjacency& adjacency, const PolyMeshSettings& settings = {},
                                         Progress* progress = nullptr);
+
+/// What write_polymesh replaces of an older polyMesh folder: its own files and those that would refer to the
+/// older mesh. For AtomicFolder's `replaced`.
+std::vector<std::string> polymesh_entries();
+
+/// Adds what checkMesh, potentialFoam and ParaView need to start on a case folder and what it lacks of it:
+/// system/controlDict, fvSchemes, fvSolution and the empty file `foam_file` that ParaView opens. A file that
+/// exists stays as it is.
+void write_case_files(const std::filesystem::path& case_folder, const std::string& foam_file);
+
+/// A whole case at once: constant/polyMesh below `case_folder`, committed, and its case files.
+std::vector<std::string> write_openfoam_case(const std::filesystem::path& case_folder, const HexView& mesh,
+                                             const HexAdjacency& adjacency,
+                                             const PolyMeshSettings& settings = {},
+                                             Progress* progress = nullptr);
 
 }  // namespace flowcage

@@ -52,7 +52,7 @@ TEST_CASE("checkMesh accepts what is valid and prints our figures") {
       PolyMeshSettings settings;
       settings.binary = binary;
       const HexAdjacency adjacency = build_hex_adjacency(sample.mesh);
-      const auto notes = write_polymesh(folder.path(), sample.mesh, adjacency, settings);
+      const auto notes = write_openfoam_case(folder.path(), sample.mesh, adjacency, settings);
       const CheckMesh foam = check_mesh(folder.path());
       CAPTURE(foam.output);
       const QualityReport ours = measure_quality(sample.mesh, adjacency);
