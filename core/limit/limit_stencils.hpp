@@ -6,30 +6,41 @@
 
 namespace flowcage {
 
-/// Where a sample of the limit surface sits on its level.
-enum class SampleSite : std::uint8_t { vertex, edge, face };
-
-/// A set of limit points of one level as rows over its control vertices, with their tangents where the
-/// surface is smooth. Order: vertices (#V), then edges' midpoints (#E), then faces' midpoints (#F).
-struct LimitSamples {
-  StencilTable position;
-  StencilTable tangent_u, tangent_v;  ///< rows for the same samples; normal = tangent_u x tangent_v, on the
-                                      ///< fluid's side. At a crease vertex: those of the first smooth sector.
-};
-
 /// Limit position of each control vertex: one row a vertex. Interior of valence n: (n^2 P + 4 sum E + sum
 /// F)/(n(n+5)) (Stam 1998); crease and boundary (1,4,1)/6; corner P; darts by their own left eigenvector;
-/// semi-sharp features and vertices with n-gons through symbolic refinement until the mask holds. The rows
-/// sum to 1.
+/// semi-sharp features and vertices with n-gons through symbolic refinement of the vertex's ring until the
+/// mask holds. The rows sum to 1. The same limit in the points of any finer level: rows are invariant under
+/// refinement.
 StencilTable limit_stencils(const SurfaceLevel& level);
 
-/// Tangents of each vertex: two tables like limit_stencils. Rows sum to 0; not normalised.
-/// Zero rows only at corners, where no tangent exists; there the directions of two edges of the first sector
-/// are given.
+/// Tangents of each vertex: two tables like limit_stencils. Rows sum to 0; not normalised; u x v points to
+/// the side from which faces are counter-clockwise. At a crease vertex: those of its first smooth sector
+/// (see SectorTangents). At a corner no tangent plane exists in general: a plane fitted to the edges of the
+/// first sector is given, the exact one where the sector has one face.
 struct TangentStencils {
   StencilTable u, v;
 };
 TangentStencils tangent_stencils(const SurfaceLevel& level);
+
+/// Tangents by vertex and smooth sector: the faces between two neighbouring sharp (or boundary) edges.
+/// Sectors of vertex v are [first_sector[v], first_sector[v + 1]), counter-clockwise; a vertex without sharp
+/// edges has one. Semi-sharp edges decay to nothing, hence do not bound sectors.
+/// Example: vertex 0 smooth of valence 3, vertex 1 on a crease through four faces 5 6 7 8:
+///   first_sector 0 1 3, faces (0 1 2) (5 6) (7 8), u and v have three rows.
+struct SectorTangents {
+  std::vector<Index> first_sector;  ///< #V + 1
+  Csr<Index> faces;                 ///< #sectors rows, counter-clockwise
+  StencilTable u, v;                ///< #sectors rows; masks and their limits: limit_masks.hpp
+};
+SectorTangents sector_tangent_stencils(const SurfaceLevel& level);
+
+/// A set of limit points of one level as rows over its control vertices, with their tangents.
+/// Order: vertices (#V), then edges' midpoints (#E), then faces' midpoints (#F).
+struct LimitSamples {
+  StencilTable position;
+  StencilTable tangent_u, tangent_v;  ///< rows for the same samples; normal = tangent_u x tangent_v, on the
+                                      ///< fluid's side. At a crease: those of the first smooth sector.
+};
 
 /// The oversampled system of the paper's equation C V = L: limits at vertices, edges' and faces' midpoints
 /// (about four samples a control vertex), through one symbolic refinement.

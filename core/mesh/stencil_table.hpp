@@ -20,7 +20,7 @@ struct StencilTable {
 
 /// #rows points. Parallel over rows; the same bits on any number of threads.
 /// Precondition: points.size() == table.control_vertex_count.
-std::vector<Vec3> apply(const StencilTable& table, std::span<const Vec3> points);
+std::vector<Vec3> apply_stencils(const StencilTable& table, std::span<const Vec3> points);
 
 /// The table that does `first`, then `second`: rows of second written in the control vertices of first.
 StencilTable compose(const StencilTable& second, const StencilTable& first);

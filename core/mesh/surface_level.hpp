@@ -39,10 +39,8 @@ struct SurfaceLevel {
   bool is_boundary_edge(Index e) const { return edge_faces[e][1] == no_index; }
 };
 
-/// The topology of a cage. Throws Error(input) naming the vertex or edge (and its place) where it is not an
-/// oriented manifold: an edge with more than two faces or with two of the same direction, a vertex with two
-/// fans, a face with fewer than three or with repeated vertices, an unused vertex, a crease or corner that is
-/// no edge or vertex.
+/// The topology of a cage; an edge or vertex tagged twice has the larger sharpness. Throws Error(input)
+/// naming the place where the cage is no oriented manifold (manifold_check.hpp).
 SurfaceLevel build_surface_level(const Cage& cage);
 
 /// V - E + F, components and boundary loops; genus = (2 components - loops - euler) / 2.

@@ -1,0 +1,160 @@
+#include "core/limit/limit_stencils.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/limit/limit_masks.hpp"
+#include "core/mesh/stencil_builder.hpp"
+#include "core/subdivide/refine.hpp"
+
+namespace flowcage {
+namespace {
+
+// Sharpness after `levels` refinements.
+double decayed(double sharpness, int levels) {
+  return sharpness >= infinitely_sharp ? sharpness : std::max(0.0, sharpness - levels);
+}
+
+// The ring of one vertex, refined symbolically until all its faces are quads and all sharpness is none or
+// infinite. The ring of a child vertex depends on the parent's ring alone, so one vertex needs no mesh.
+class VertexRing {
+ public:
+  explicit VertexRing(const SurfaceLevel& level) : level_(level) {}
+
+  void visit(Index v) {
+    vertex_ = v;
+    levels_ = 0;
+    edge_sharpness_.clear();
+    for (const Index e : level_.vertex_edges[v]) edge_sharpness_.push_back(level_.edge_sharpness[e]);
+    for (const Index f : level_.vertex_faces[v]) {
+      if (level_.face_vertices.row_size(f) != 4) levels_ = 1;
+    }
+    wait_for(level_.vertex_sharpness[v]);
+    for (const double s : edge_sharpness_) wait_for(s);
+
+    sharp_edges_.clear();
+    for (std::size_t i = 0; i < edge_sharpness_.size(); ++i) {
+      if (edge_sharpness_[i] >= infinitely_sharp) sharp_edges_.push_back(static_cast<int>(i));
+    }
+    final_sharpness_ = edge_sharpness_;
+    for (double& s : final_sharpness_) s = decayed(s, levels_);
+    ring_.rule = vertex_rule(decayed(level_.vertex_sharpness[v], levels_), final_sharpness_);
+    ring_.edge_count = static_cast<int>(edge_sharpness_.size());
+    ring_.face_count = static_cast<int>(level_.vertex_faces.row_size(v));
+    ring_.sharp_edges = sharp_edges_;
+  }
+
+  const LimitRing& ring() const { return ring_; }
+
+  // Ends the row that writes `weights` of the last ring in the points of this level. Changes `weights`.
+  void write(RingWeights& weights, StencilWriter& out) {
+    for (int k = levels_ - 1; k >= 0; --k) {
+      for (std::size_t i = 0; i < edge_sharpness_.size(); ++i) {
+        final_sharpness_[i] = decayed(edge_sharpness_[i], k);
+      }
+      pull_back_to_centroids(decayed(level_.vertex_sharpness[vertex_], k), final_sharpness_, weights);
+      if (k > 0) spread_centroids_of_quads(weights);
+    }
+    const auto edges = level_.vertex_edges[vertex_];
+    const auto faces = level_.vertex_faces[vertex_];
+    out.add(vertex_, weights.vertex);
+    for (std::size_t i = 0; i < edges.size(); ++i) {
+      const auto& ends = level_.edge_vertices[edges[i]];
+      out.add(ends[ends[0] == vertex_ ? 1 : 0], weights.edges[i]);
+    }
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+      if (weights.faces[i] == 0) continue;
+      const auto row = level_.face_vertices[faces[i]];
+      if (levels_ == 0) {
+        const auto corner = std::find(row.begin(), row.end(), vertex_) - row.begin();
+        out.add(row[(corner + 2) % 4], weights.faces[i]);
+      } else {
+        for (const Index v : row) out.add(v, weights.faces[i] / static_cast<double>(row.size()));
+      }
+    }
+    out.end_row();
+  }
+
+ private:
+  void wait_for(double sharpness) {
+    if (sharpness < infinitely_sharp) levels_ = std::max(levels_, static_cast<int>(std::ceil(sharpness)));
+  }
+
+  const SurfaceLevel& level_;
+  Index vertex_ = 0;
+  int levels_ = 0;  // refinements until the mask holds
+  LimitRing ring_;
+  std::vector<double> edge_sharpness_, final_sharpness_;
+  std::vector<int> sharp_edges_;
+};
+
+enum class Tangent { u, v };
+
+// Rows of one tangent: of each vertex's first sector or of all its sectors.
+StencilTable tangent_rows(const SurfaceLevel& level, Tangent which, bool all_sectors) {
+  return build_stencils(level.vertex_count(), level.vertex_count(),
+                        [&](Index begin, Index end, StencilWriter& out) {
+                          VertexRing vertex(level);
+                          RingWeights u, v;
+                          std::vector<SmoothSector> sectors;
+                          for (Index i = begin; i < end; ++i) {
+                            vertex.visit(i);
+                            list_sectors(vertex.ring(), sectors);
+                            if (!all_sectors) sectors.resize(1);
+                            for (const SmoothSector& sector : sectors) {
+                              limit_tangent_masks(vertex.ring(), sector, u, v);
+                              vertex.write(which == Tangent::u ? u : v, out);
+                            }
+                          }
+                        });
+}
+
+}  // namespace
+
+StencilTable limit_stencils(const SurfaceLevel& level) {
+  return build_stencils(level.vertex_count(), level.vertex_count(),
+                        [&](Index begin, Index end, StencilWriter& out) {
+                          VertexRing vertex(level);
+                          RingWeights position;
+                          for (Index v = begin; v < end; ++v) {
+                            vertex.visit(v);
+                            limit_position_mask(vertex.ring(), position);
+                            vertex.write(position, out);
+                          }
+                        });
+}
+
+TangentStencils tangent_stencils(const SurfaceLevel& level) {
+  return {tangent_rows(level, Tangent::u, false), tangent_rows(level, Tangent::v, false)};
+}
+
+SectorTangents sector_tangent_stencils(const SurfaceLevel& level) {
+  SectorTangents result;
+  result.first_sector.push_back(0);
+  VertexRing vertex(level);
+  std::vector<SmoothSector> sectors;
+  for (Index v = 0; v < level.vertex_count(); ++v) {
+    vertex.visit(v);
+    list_sectors(vertex.ring(), sectors);
+    const auto faces = level.vertex_faces[v];
+    for (const SmoothSector& sector : sectors) {
+      for (int k = 0; k < sector.face_count; ++k) {
+        result.faces.values.push_back(faces[(sector.first_edge + k) % vertex.ring().edge_count]);
+      }
+      result.faces.offsets.push_back(static_cast<Offset>(result.faces.values.size()));
+    }
+    result.first_sector.push_back(result.faces.size());
+  }
+  result.u = tangent_rows(level, Tangent::u, true);
+  result.v = tangent_rows(level, Tangent::v, true);
+  return result;
+}
+
+LimitSamples oversampled_limit_stencils(const SurfaceLevel& level) {
+  const SurfaceLevel child = build_child_level(level);
+  const StencilTable refine = refinement_stencils(level);
+  const TangentStencils tangents = tangent_stencils(child);
+  return {compose(limit_stencils(child), refine), compose(tangents.u, refine), compose(tangents.v, refine)};
+}
+
+}  // namespace flowcage
