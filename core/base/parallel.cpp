@@ -32,8 +32,10 @@ void set_thread_count(int threads) {
 }
 
 int thread_count() {
+  // Asking the system opens a file each time, which small loops would feel.
+  static const int cores = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   const int requested = requested_threads;
-  return requested > 0 ? requested : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  return requested > 0 ? requested : cores;
 }
 
 void parallel_for(Offset count, Offset grain, const std::function<void(Offset, Offset)>& body) {
