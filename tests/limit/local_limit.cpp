@@ -40,6 +40,7 @@ LocalRing cut_out(const SurfaceLevel& level, const std::vector<Vec3>& points, In
 
 LocalRing refined_ring(const SurfaceLevel& level, const std::vector<Vec3>& points,
                        const RingRequest& request) {
+  if (request.depth == 0) return cut_out(level, points, request.vertex);
   // Only below level 0 is every ring free of contact with itself.
   LocalRing ring{level, points};
   Index vertex = request.vertex;

@@ -6,9 +6,9 @@
 
 namespace flowcage {
 
-/// The ring of a vertex after `depth` >= 1 refinements. With `zoom` the points are moved and scaled after
-/// each, so that the vertex is the origin and the farthest point lies within [0.5, 1] of it: directions keep
-/// their digits.
+/// The ring of a vertex after `depth` refinements (0: of a level below the cage). With `zoom` the points are
+/// moved and scaled after each, so that the vertex is the origin and the farthest point lies within [0.5, 1]
+/// of it: directions keep their digits.
 struct LocalRing {
   SurfaceLevel level;  ///< the faces at the vertex, nothing else; the vertex is number 0
   std::vector<Vec3> points;

@@ -292,6 +292,7 @@ std::vector<NamedCage> all() {
     if (n > 2) add("closed fan " + std::to_string(n), fan(n, true));
     add("open fan " + std::to_string(n), fan(n, false));
   }
+  add("pillow", pillow());
   add("grid 1x1", grid(1, 1));
   add("grid 3x4", grid(3, 4));
   std::set<std::array<int, 3>> ring, eight, branched;
