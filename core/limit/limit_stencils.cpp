@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/limit/limit_masks.hpp"
 #include "core/mesh/stencil_builder.hpp"
@@ -88,25 +89,54 @@ class VertexRing {
   std::vector<int> sharp_edges_;
 };
 
-enum class Tangent { u, v };
+// Masks of smooth vertices by valence: nearly all vertices share a few of them.
+class SmoothMasks {
+ public:
+  struct Masks {
+    RingWeights position, u, v;
+  };
+  const Masks& of(int valence) {
+    if (static_cast<std::size_t>(valence) >= masks_.size())
+      masks_.resize(static_cast<std::size_t>(valence) + 1);
+    std::optional<Masks>& entry = masks_[valence];
+    if (!entry) {
+      entry.emplace();
+      const LimitRing ring{VertexRule::smooth, valence, valence, {}};
+      limit_position_mask(ring, entry->position);
+      limit_tangent_masks(ring, {0, valence}, entry->u, entry->v);
+    }
+    return *entry;
+  }
 
-// Rows of one tangent: of each vertex's first sector or of all its sectors.
-StencilTable tangent_rows(const SurfaceLevel& level, Tangent which, bool all_sectors) {
-  return build_stencils(level.vertex_count(), level.vertex_count(),
-                        [&](Index begin, Index end, StencilWriter& out) {
-                          VertexRing vertex(level);
-                          RingWeights u, v;
-                          std::vector<SmoothSector> sectors;
-                          for (Index i = begin; i < end; ++i) {
-                            vertex.visit(i);
-                            list_sectors(vertex.ring(), sectors);
-                            if (!all_sectors) sectors.resize(1);
-                            for (const SmoothSector& sector : sectors) {
-                              limit_tangent_masks(vertex.ring(), sector, u, v);
-                              vertex.write(which == Tangent::u ? u : v, out);
-                            }
-                          }
-                        });
+ private:
+  std::vector<std::optional<Masks>> masks_;
+};
+
+// Rows of both tangents: of each vertex's first sector or of all its sectors.
+TangentStencils tangent_rows(const SurfaceLevel& level, bool all_sectors) {
+  auto tables = build_stencil_tables<2>(level.vertex_count(), level.vertex_count(),
+                                        [&](Index begin, Index end, std::span<StencilWriter, 2> out) {
+                                          VertexRing vertex(level);
+                                          SmoothMasks smooth;
+                                          RingWeights u, v;
+                                          std::vector<SmoothSector> sectors;
+                                          for (Index i = begin; i < end; ++i) {
+                                            vertex.visit(i);
+                                            list_sectors(vertex.ring(), sectors);
+                                            if (!all_sectors) sectors.resize(1);
+                                            for (const SmoothSector& sector : sectors) {
+                                              if (vertex.ring().rule == VertexRule::smooth) {
+                                                u = smooth.of(sector.face_count).u;
+                                                v = smooth.of(sector.face_count).v;
+                                              } else {
+                                                limit_tangent_masks(vertex.ring(), sector, u, v);
+                                              }
+                                              vertex.write(u, out[0]);
+                                              vertex.write(v, out[1]);
+                                            }
+                                          }
+                                        });
+  return {std::move(tables[0]), std::move(tables[1])};
 }
 
 }  // namespace
@@ -115,17 +145,22 @@ StencilTable limit_stencils(const SurfaceLevel& level) {
   return build_stencils(level.vertex_count(), level.vertex_count(),
                         [&](Index begin, Index end, StencilWriter& out) {
                           VertexRing vertex(level);
+                          SmoothMasks smooth;
                           RingWeights position;
                           for (Index v = begin; v < end; ++v) {
                             vertex.visit(v);
-                            limit_position_mask(vertex.ring(), position);
+                            if (vertex.ring().rule == VertexRule::smooth) {
+                              position = smooth.of(vertex.ring().edge_count).position;
+                            } else {
+                              limit_position_mask(vertex.ring(), position);
+                            }
                             vertex.write(position, out);
                           }
                         });
 }
 
 TangentStencils tangent_stencils(const SurfaceLevel& level) {
-  return {tangent_rows(level, Tangent::u, false), tangent_rows(level, Tangent::v, false)};
+  return tangent_rows(level, false);
 }
 
 SectorTangents sector_tangent_stencils(const SurfaceLevel& level) {
@@ -145,8 +180,9 @@ SectorTangents sector_tangent_stencils(const SurfaceLevel& level) {
     }
     result.first_sector.push_back(result.faces.size());
   }
-  result.u = tangent_rows(level, Tangent::u, true);
-  result.v = tangent_rows(level, Tangent::v, true);
+  TangentStencils tangents = tangent_rows(level, true);
+  result.u = std::move(tangents.u);
+  result.v = std::move(tangents.v);
   return result;
 }
 
