@@ -1,0 +1,185 @@
+#include "core/volume/wall_lines.hpp"
+
+#include "core/base/parallel.hpp"
+#include "core/mesh/visit_cells.hpp"
+#include "core/quality/jacobian.hpp"
+#include "core/subdivide/refine.hpp"
+#include "core/volume/refine_volume.hpp"
+#include "tests/blocks/sample_cages.hpp"
+#include "tests/catch.hpp"
+
+using namespace flowcage;
+using sample::box_cage;
+
+namespace {
+
+/// A shell refined `depth` times, with the cage's levels refined by core/subdivide beside it.
+struct Refined {
+  Shell shell;
+  BlockMesh mesh;
+  SurfaceLevel level, outer_level;
+  std::vector<Vec3> wall, outer;
+
+  Refined(Shell s, int depth, Index layers = 1)
+      : shell(std::move(s)),
+        mesh(start_volume(shell, shell.inner_points, layers)),
+        level(shell.inner),
+        outer_level(shell.outer),
+        wall(shell.inner_points),
+        outer(shell.outer_points) {
+    for (int d = 0; d < depth; ++d) {
+      mesh = refine_volume(mesh);
+      wall = apply_stencils(refinement_stencils(level), wall);
+      outer = apply_stencils(refinement_stencils(outer_level), outer);
+      level = build_child_level(level);
+      outer_level = build_child_level(outer_level);
+    }
+  }
+};
+
+double min_scaled_jacobian(const HexView& mesh) {
+  double least = 1;
+  visit_cells(mesh, 0, mesh.cell_count(), [&](Offset, const HexPoints& cell) {
+    least = std::min(least, scaled_jacobian(corners_of(mesh, cell)));
+  });
+  return least;
+}
+
+Cage half_box(const Vec3& size, double plane) {
+  Cage cage = box_cage(size, true);
+  for (Vec3& p : cage.points) p.y() = p.y() < 0 ? plane : plane + size.y();
+  return cage;
+}
+
+}  // namespace
+
+TEST_CASE("the volume's boundary is the surface that core/subdivide refines") {
+  Cage creased = box_cage({1, 1, 1});
+  creased.creases = {{0, 1, 10}, {1, 3, 2.5}, {3, 7, 0.3}, {4, 5, 1}};
+  creased.corners = {{6, 1.5}};
+  Cage outer = box_cage({4, 3, 3});
+  outer.creases = {{0, 1, 10}, {1, 5, 10}, {5, 4, 10}, {4, 0, 10}, {2, 3, 1.7}};
+  const Cage half = half_box({1, 1, 1}, 0.3);
+  const Cage half_outer = half_box({5, 5, 5}, 0.3);
+  const std::pair<Cage, Cage> pairs[] = {{creased, outer},
+                                         {sample::prism_cage(5, 1, 1), sample::prism_cage(5, 4, 3)},
+                                         {sample::torus_cage(6, 4, 3, 1), sample::torus_cage(6, 4, 3, 2)},
+                                         {half, half_outer}};
+  for (const auto& [in, out] : pairs) {
+    for (int depth = 0; depth <= 4; ++depth) {
+      const Refined r(build_shell(in, out), depth);
+      const auto lines = shell_lines(r.shell, r.level);
+      const auto wall = layer_points(r.mesh, lines, 0);
+      const auto outside = layer_points(r.mesh, lines, r.mesh.chord_divisions()[r.shell.k_chord]);
+      double worst = 0;
+      for (std::size_t v = 0; v < wall.size(); ++v) {
+        worst = std::max(worst, (r.mesh.points()[wall[v]] - r.wall[v]).norm());
+        worst = std::max(worst, (r.mesh.points()[outside[v]] - r.outer[v]).norm());
+      }
+      CHECK(worst < 1e-14);
+    }
+  }
+}
+
+TEST_CASE("a sphere's shell has no inverted cell to level 4") {
+  for (int depth = 0; depth <= 4; ++depth) {
+    Refined r(build_shell(box_cage({1, 1, 1}), box_cage({6, 6, 6})), depth, 2);
+    for (auto* side : {&r.wall, &r.outer}) {
+      const double radius = side == &r.wall ? 1 : 6;
+      for (Vec3& p : *side) p *= radius / p.norm();
+    }
+    place_boundary(r.mesh, r.shell, r.level, {r.wall, r.outer});
+    CHECK(min_scaled_jacobian(r.mesh) > 0.4);
+    const auto wall = layer_points(r.mesh, shell_lines(r.shell, r.level), 0);
+    for (std::size_t v = 0; v < wall.size(); ++v) CHECK(r.mesh.points()[wall[v]] == r.wall[v]);
+    respace_lines(r.mesh, r.shell, {});
+    CHECK(min_scaled_jacobian(r.mesh) > 0.4);
+    LineSpacing thin;
+    thin.first_height = 1e-5;
+    const SpacingReport report = respace_lines(r.mesh, r.shell, thin);
+    CHECK(min_scaled_jacobian(r.mesh) > 0.3);
+    if (depth > 0) CHECK(report.max_first == Approx(1e-5).epsilon(1e-12));
+  }
+}
+
+TEST_CASE("tori joined: no inverted cell") {
+  Refined r(build_shell(sample::torus_cage(8, 4, 3, 1), sample::torus_cage(8, 4, 3, 2)), 2);
+  CHECK(min_scaled_jacobian(r.mesh) > 0.5);
+}
+
+TEST_CASE("a half model's symmetry plane stays flat to the last bit through every step") {
+  for (const double plane : {0.0, 0.1, -7.0 / 3}) {
+    Refined r(build_shell(half_box({1, 1, 1}, plane), half_box({5, 5, 5}, plane)), 3, 2);
+    const auto check = [&] {
+      const BoundaryPatch& patch = r.mesh.patches().back();
+      REQUIRE(patch.name == "symmetry");
+      REQUIRE(patch.quads.size() == 4 * 8 * 16);
+      for (const auto& q : patch.quads) {
+        for (const Index v : q) REQUIRE(r.mesh.points()[v].y() == plane);
+      }
+    };
+    check();
+    for (std::size_t v = 0; v < r.wall.size(); ++v)
+      r.wall[v] += Vec3(0.01, 1e-7 * static_cast<double>(v % 3), 0.02);
+    place_boundary(r.mesh, r.shell, r.level, {r.wall, {}});
+    check();
+    respace_lines(r.mesh, r.shell, {});
+    check();
+  }
+}
+
+TEST_CASE("boundary displacements fall evenly to zero along the lines") {
+  Refined r(build_shell(box_cage({1, 1, 1}), box_cage({4, 4, 4})), 2);
+  const BlockMesh before = r.mesh;
+  const Vec3 shift(0.1, -0.05, 0.2);
+  std::vector<Vec3> moved = r.wall;
+  for (Vec3& p : moved) p += shift;
+  place_boundary(r.mesh, r.shell, r.level, {moved, {}});
+  const auto lines = shell_lines(r.shell, r.level);
+  for (Index k = 0; k <= 4; ++k) {
+    for (const Index p : layer_points(r.mesh, lines, k)) {
+      CHECK((r.mesh.points()[p] - before.points()[p] - (1 - k / 4.0) * shift).norm() < 1e-14);
+    }
+  }
+}
+
+TEST_CASE("cells along a line: two of the first height, then geometric, filling the length") {
+  LineSpacing spacing;
+  spacing.first_height = 0.01;
+  spacing.max_growth = 0;
+  const auto cells = geometric_cells(10, 20, spacing);
+  double sum = 0;
+  for (const double c : cells) sum += c;
+  CHECK(sum == Approx(10).epsilon(1e-14));
+  CHECK(cells[0] == 0.01);
+  CHECK(cells[1] == 0.01);
+  const double ratio = cells[2] / cells[1];
+  for (std::size_t k = 2; k < 20; ++k) CHECK(cells[k] / cells[k - 1] == Approx(ratio).epsilon(1e-10));
+
+  spacing.layers = 8;
+  spacing.growth = 1.3;
+  const auto layered = geometric_cells(10, 20, spacing);
+  for (int k = 2; k < 8; ++k) CHECK(layered[k] / layered[k - 1] == Approx(1.3).epsilon(1e-14));
+  CHECK(layered[9] / layered[8] == Approx(layered[15] / layered[14]).epsilon(1e-10));
+
+  LineSpacing bounded;  // the first cell is enlarged where the growth would be too large
+  bounded.first_height = 1e-9;
+  bounded.max_growth = 1.5;
+  const auto enlarged = geometric_cells(10, 20, bounded);
+  for (std::size_t k = 2; k < 20; ++k) CHECK(enlarged[k] / enlarged[k - 1] == Approx(1.5).epsilon(1e-9));
+  CHECK(enlarged[0] > 1e-9);
+
+  bounded.first_height = 1;  // no room for growth: even cells
+  for (const double c : geometric_cells(10, 20, bounded)) CHECK(c == 0.5);
+}
+
+TEST_CASE("re-spacing gives the same bits on any number of threads") {
+  Refined one(build_shell(box_cage({1, 2, 1}), box_cage({6, 6, 6})), 3);
+  Refined four = one;
+  set_thread_count(1);
+  respace_lines(one.mesh, one.shell, {});
+  set_thread_count(4);
+  respace_lines(four.mesh, four.shell, {});
+  set_thread_count(0);
+  CHECK(std::equal(one.mesh.points().begin(), one.mesh.points().end(), four.mesh.points().begin()));
+}
