@@ -38,7 +38,9 @@ Handle(Geom_BSplineCurve) section_curve(const AirfoilHalf& half) {
   GeomAPI_Interpolate interpolate(points, false, 1e-12);
   const gp_Vec start(0, 0, 1);
   const gp_Vec end(half.x[n - 1] - half.x[n - 2], 0, half.y[n - 1] - half.y[n - 2]);
-  interpolate.Load(start, end, true);
+  // Unit vectors, unscaled: the parameter is chord length. The kernel's own scaling made a loop at the
+  // trailing edge.
+  interpolate.Load(start, end.Normalized(), false);
   interpolate.Perform();
   return interpolate.Curve();
 }

@@ -1,3 +1,4 @@
+#include <BRepBuilderAPI_Transform.hxx>
 #include <BRepTools.hxx>
 #include <IGESControl_Writer.hxx>
 #include <STEPControl_Writer.hxx>
@@ -12,7 +13,7 @@
 namespace flowcage {
 namespace {
 
-// The kernel counts in millimetres: a shape in metres is scaled by the writer through these names.
+// The names that the kernel's writers know the units by.
 const std::map<std::string, std::string> kernel_unit{{"m", "M"}, {"mm", "MM"}, {"in", "INCH"}, {"ft", "FT"}};
 
 void write_step(const TopoDS_Shape& shape, const std::string& file, const std::string& unit) {
@@ -26,9 +27,13 @@ void write_step(const TopoDS_Shape& shape, const std::string& file, const std::s
 }
 
 void write_iges(const TopoDS_Shape& shape, const std::string& file, const std::string& unit) {
-  const InterfaceSettings settings({{"xstep.cascade.unit", "M"}, {"write.iges.unit", unit}});
+  // Unlike the STEP writer this one takes the shape for millimetres whatever xstep.cascade.unit says.
+  const InterfaceSettings settings({{"xstep.cascade.unit", "MM"}, {"write.iges.unit", unit}});
+  gp_Trsf to_millimetres;
+  to_millimetres.SetScale(gp_Pnt(0, 0, 0), 1000);
   IGESControl_Writer writer(unit.c_str(), 0);
-  if (!writer.AddShape(shape) || !writer.Write(file.c_str())) {
+  if (!writer.AddShape(BRepBuilderAPI_Transform(shape, to_millimetres, true).Shape()) ||
+      !writer.Write(file.c_str())) {
     throw Error(ErrorKind::output, file + ": cannot write IGES",
                 "check the folder, its permissions and free space");
   }

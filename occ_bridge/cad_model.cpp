@@ -1,0 +1,85 @@
+#include "occ_bridge/cad_model.hpp"
+
+#include <cmath>
+
+#include "occ_bridge/internal/build_model.hpp"
+#include "occ_bridge/internal/cad_data.hpp"
+#include "occ_bridge/internal/shape_rep.hpp"
+
+namespace flowcage {
+
+void CadModel::closest_points(std::span<const Vec3>, std::span<const SurfacePoint>,
+                              std::span<SurfacePoint>) const {
+  throw Error(ErrorKind::internal, "closest points are not there yet", "wait for the face projector");
+}
+
+void CadModel::closest_compatible(std::span<const Vec3>, std::span<const Vec3>, double, double,
+                                  std::span<SurfacePoint>) const {
+  throw Error(ErrorKind::internal, "closest points are not there yet", "wait for the face projector");
+}
+
+void CadModel::intersect_lines(std::span<const Vec3>, std::span<const Vec3>, double, double,
+                               std::span<SurfacePoint>) const {
+  throw Error(ErrorKind::internal, "closest points are not there yet", "wait for the face projector");
+}
+
+const FeatureGraph& CadModel::features() const {
+  return data_->features;
+}
+
+CurvePoint CadModel::chain_point(Index chain, double s) const {
+  const occ::ChainCurve& curve = data_->curves[chain];
+  const FeatureChain& known = data_->features.chains[chain];
+  if (known.start == no_index && known.length > 0) {  // a closed loop without corner
+    s = std::fmod(s, known.length);
+    if (s < 0) s += known.length;
+  }
+  return curve.point(s);
+}
+
+CurvePoint CadModel::closest_on_chain(Index chain, const Vec3& query) const {
+  return data_->curves[chain].closest(query);
+}
+
+const Tessellation& CadModel::tessellation() const {
+  return data_->tessellation;
+}
+
+Index CadModel::face_count() const {
+  return static_cast<Index>(data_->faces.size());
+}
+
+std::string CadModel::face_name(Index face) const {
+  return data_->face_names[face];
+}
+
+Box3 CadModel::bounds() const {
+  return data_->bounds;
+}
+
+const CadSummary& CadModel::summary() const {
+  return data_->summary;
+}
+
+CadModel read_cad(std::span<const std::string> files, const CadReadSettings& settings, Progress& progress) {
+  if (files.empty()) throw Error(ErrorKind::usage, "no CAD file", "name at least one STEP or IGES file");
+  occ::FaceNames names;
+  std::vector<occ::FileContent> contents;
+  for (const std::string& file : files) {
+    contents.push_back(occ::read_cad_file(file, settings.cad_unit, names, progress));
+  }
+  return CadModel(occ::build_model(contents, names, settings, progress));
+}
+
+CadModel cad_model_of(const Shape& shape, const CadReadSettings& settings, Progress& progress) {
+  occ::FaceNames names;
+  const std::vector<occ::FileContent> contents{{.file = "(built in code)",
+                                                .format = "BREP",
+                                                .unit = "m",
+                                                .unit_in_metres = 1,
+                                                .shape_unit = 1,
+                                                .shape = shape.rep().shape}};
+  return CadModel(occ::build_model(contents, names, settings, progress));
+}
+
+}  // namespace flowcage

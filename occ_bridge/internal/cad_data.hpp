@@ -1,0 +1,22 @@
+#pragma once
+#include <TopoDS_Face.hxx>
+#include <string>
+#include <vector>
+
+#include "occ_bridge/cad_model.hpp"
+#include "occ_bridge/internal/chain_curve.hpp"
+
+namespace flowcage {
+
+/// What a CadModel holds. Everything in metres; face numbers are those of `faces`.
+struct CadModel::Data {
+  std::vector<TopoDS_Face> faces;
+  std::vector<std::string> face_names;
+  Tessellation tessellation;
+  Box3 bounds;
+  FeatureGraph features;
+  std::vector<occ::ChainCurve> curves;
+  CadSummary summary;
+};
+
+}  // namespace flowcage
