@@ -15,6 +15,8 @@ struct FitSettings {
   double tolerance = 0;  ///< stop refining below this deviation (relative to the diagonal); 0: do all levels
   int max_passes = 12;   ///< project-refit passes a level
   int max_cgls_iterations = 60;
+  bool tangent_distance = true;  ///< minimise distances to tangent planes (Gauss-Newton, Wang, Pottmann & Liu
+                                 ///< 2006) in the last passes instead of distances to foot points
 };
 
 /// One row of the report (CONTRACT: surface.levels). Deviations are relative to the target's diagonal,
@@ -50,6 +52,7 @@ struct SurfaceFit {
   Vec3 worst_place = Vec3::Zero(), worst_coverage_place = Vec3::Zero();
   std::vector<Index> unmatched_chains;  ///< feature chains of the target that no crease of the cage follows
   std::vector<VertexTarget> vertex_targets;  ///< #V of the last level
+  std::vector<std::string> warnings;         ///< also given to Progress::warn
 };
 
 /// The paper's loop with the five cures of METHOD section 3: interpolating start; feature chains by arc

@@ -1,0 +1,22 @@
+#pragma once
+#include <span>
+
+#include "core/mesh/surface_level.hpp"
+#include "core/target/target_surface.hpp"
+
+namespace flowcage {
+
+/// Throws Error(input), with the numbers, when the cage cannot belong to the target: its size differs as
+/// between two units (the remedy names the factor and the units), it lies too far away, or it is turned
+/// inside out.
+/// points: #V control points; limits, normals: #V limit points and unit normals (zero where there is none);
+/// source: the cage's file for the message, or "".
+struct CageToCheck {
+  const SurfaceLevel& level;
+  std::span<const Vec3> points;
+  std::span<const Vec3> normals;
+  const std::string& source;
+};
+void check_cage_belongs(const CageToCheck& cage, const TargetSurface& target);
+
+}  // namespace flowcage

@@ -1,0 +1,128 @@
+#include "core/refit/cgls.hpp"
+
+#include <cassert>
+#include <cmath>
+
+#include "core/base/parallel.hpp"
+
+namespace flowcage {
+namespace {
+
+constexpr Offset grain = 1024;
+
+double squared_norm(std::span<const Vec3> x) {
+  return parallel_reduce(
+      static_cast<Offset>(x.size()), grain, 0.0,
+      [&](Offset begin, Offset end) {
+        double sum = 0;
+        for (Offset i = begin; i < end; ++i) sum += x[i].squaredNorm();
+        return sum;
+      },
+      [](double a, double b) { return a + b; });
+}
+
+/// Applies the square root of the metric, n n^T + w (I - n n^T), to each row.
+void weigh(const RowMetric& metric, std::vector<Vec3>& rows) {
+  if (metric.normals.empty()) return;
+  parallel_for(static_cast<Offset>(rows.size()), grain, [&](Offset begin, Offset end) {
+    for (Offset i = begin; i < end; ++i) {
+      const Vec3& n = metric.normals[i];
+      if (n.isZero(0)) continue;
+      const Vec3 along = n * n.dot(rows[i]);
+      rows[i] = along + metric.tangential_weight * (rows[i] - along);
+    }
+  });
+}
+
+}  // namespace
+
+StencilTable transpose_of(const StencilTable& table) {
+  StencilTable t;
+  t.control_vertex_count = table.size();
+  t.offsets.assign(static_cast<std::size_t>(table.control_vertex_count) + 1, 0);
+  for (const Index c : table.indices) ++t.offsets[c + 1];
+  for (std::size_t c = 1; c < t.offsets.size(); ++c) t.offsets[c] += t.offsets[c - 1];
+  t.indices.resize(table.indices.size());
+  t.weights.resize(table.weights.size());
+  std::vector<Offset> next(t.offsets.begin(), t.offsets.end() - 1);
+  for (Index r = 0; r < table.size(); ++r) {
+    for (Offset k = table.offsets[r]; k < table.offsets[r + 1]; ++k) {
+      const Offset at = next[table.indices[k]]++;
+      t.indices[at] = r;
+      t.weights[at] = table.weights[k];
+    }
+  }
+  return t;
+}
+
+LeastSquaresMatrix prepare_least_squares(StencilTable rows) {
+  LeastSquaresMatrix m;
+  m.transpose = transpose_of(rows);
+  m.rows = std::move(rows);
+  m.column_norms.assign(static_cast<std::size_t>(m.transpose.size()), 0.0);
+  for (Index c = 0; c < m.transpose.size(); ++c) {
+    double sum = 0;
+    for (Offset k = m.transpose.offsets[c]; k < m.transpose.offsets[c + 1]; ++k) {
+      sum += m.transpose.weights[k] * m.transpose.weights[k];
+    }
+    m.column_norms[c] = std::sqrt(sum);
+  }
+  return m;
+}
+
+// Notation: the unknown is y with x = start + S y, S = 1/column norm; B = M A S with M the metric's root.
+// r = M(b - A x), g = B^T r - d^2 S^2 y (the negative gradient), p the search direction, q = B p.
+CglsResult solve_cgls(const LeastSquaresMatrix& matrix, std::span<const Vec3> right_side,
+                      std::span<const Vec3> start, const CglsSettings& settings, const RowMetric& metric) {
+  const Index columns = matrix.rows.control_vertex_count;
+  assert(static_cast<Index>(right_side.size()) == matrix.rows.size());
+  assert(static_cast<Index>(start.size()) == columns);
+  CglsResult result;
+  result.solution.assign(start.begin(), start.end());
+
+  std::vector<double> scale(static_cast<std::size_t>(columns), 1.0);
+  for (Index c = 0; c < columns; ++c) {
+    if (matrix.column_norms[c] > 0) scale[c] = 1 / matrix.column_norms[c];
+  }
+  const double damping2 = settings.damping * settings.damping;
+
+  std::vector<Vec3> r = apply_stencils(matrix.rows, start);
+  for (std::size_t i = 0; i < r.size(); ++i) r[i] = right_side[i] - r[i];
+  weigh(metric, r);
+
+  std::vector<Vec3> y(static_cast<std::size_t>(columns), Vec3::Zero());
+  const auto negative_gradient = [&] {
+    std::vector<Vec3> weighted = r;
+    weigh(metric, weighted);
+    std::vector<Vec3> g = apply_stencils(matrix.transpose, weighted);
+    for (Index c = 0; c < columns; ++c) g[c] = scale[c] * (g[c] - damping2 * scale[c] * y[c]);
+    return g;
+  };
+
+  std::vector<Vec3> g = negative_gradient();
+  std::vector<Vec3> p = g;
+  double gamma = squared_norm(g);
+  const double stop = settings.tolerance * settings.tolerance * gamma;
+  std::vector<Vec3> step(static_cast<std::size_t>(columns));
+  while (result.iterations < settings.max_iterations && gamma > stop && gamma > 0) {
+    for (Index c = 0; c < columns; ++c) step[c] = scale[c] * p[c];
+    std::vector<Vec3> q = apply_stencils(matrix.rows, step);
+    weigh(metric, q);
+    const double curvature = squared_norm(q) + damping2 * squared_norm(step);
+    if (!(curvature > 0) || !std::isfinite(curvature)) break;
+    const double alpha = gamma / curvature;
+    for (Index c = 0; c < columns; ++c) y[c] += alpha * p[c];
+    for (std::size_t i = 0; i < r.size(); ++i) r[i] -= alpha * q[i];
+    g = negative_gradient();
+    const double previous = gamma;
+    gamma = squared_norm(g);
+    const double beta = gamma / previous;
+    for (Index c = 0; c < columns; ++c) p[c] = g[c] + beta * p[c];
+    ++result.iterations;
+  }
+  for (Index c = 0; c < columns; ++c) result.solution[c] += scale[c] * y[c];
+  result.residual_norm = std::sqrt(squared_norm(r));
+  return result;
+}
+
+}  // namespace flowcage

@@ -1,0 +1,48 @@
+#pragma once
+#include <span>
+#include <vector>
+
+#include "core/mesh/stencil_table.hpp"
+
+namespace flowcage {
+
+/// A sparse matrix prepared for least squares: the rows, their transpose as rows of its own (so that A^T y is
+/// a gather, parallel and in a fixed order), and the columns' norms.
+struct LeastSquaresMatrix {
+  StencilTable rows;                 ///< A: #rows by #columns
+  StencilTable transpose;            ///< A^T: #columns by #rows
+  std::vector<double> column_norms;  ///< #columns, Euclidean
+};
+
+/// The transpose: row c holds (r, a_rc) with r ascending.
+StencilTable transpose_of(const StencilTable& table);
+LeastSquaresMatrix prepare_least_squares(StencilTable rows);
+
+/// How the three coordinates of a row's residual r count: |r|^2 (no normals), or, with a unit normal n, as
+/// (n.r)^2 + w^2 |r - n (n.r)|^2: the tangent distance of Wang, Pottmann & Liu (2006) with weight w.
+struct RowMetric {
+  std::vector<Vec3> normals;     ///< #rows, or empty; a zero normal: that row counts as |r|^2
+  double tangential_weight = 1;  ///< w
+};
+
+struct CglsSettings {
+  int max_iterations = 60;
+  double tolerance = 1e-6;  ///< stop when the gradient's norm fell by this factor
+  double damping = 0;       ///< d: adds d^2 |x - start|^2, which also makes singular systems well-posed
+};
+
+struct CglsResult {
+  std::vector<Vec3> solution;  ///< #columns
+  int iterations = 0;
+  double residual_norm = 0;  ///< |A x - b| in the metric
+};
+
+/// Minimises |A x - b|^2 + d^2 |x - start|^2 over #columns points at once by conjugate gradients for least
+/// squares (Hestenes & Stiefel 1952; Bjoerck, Numerical Methods for Least Squares Problems, alg. 7.4.1) with
+/// column scaling, from a warm start. On a singular system without damping: the solution nearest to `start`
+/// (in the scaled norm). The same bits on any number of threads. Precondition: sizes agree.
+CglsResult solve_cgls(const LeastSquaresMatrix& matrix, std::span<const Vec3> right_side,
+                      std::span<const Vec3> start, const CglsSettings& settings,
+                      const RowMetric& metric = {});
+
+}  // namespace flowcage

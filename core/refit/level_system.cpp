@@ -1,0 +1,183 @@
+#include "core/refit/level_system.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/parallel.hpp"
+
+namespace flowcage {
+namespace {
+
+constexpr Offset grain = 512;
+
+void place_chain_samples(const FeatureMatch& match, const TargetSurface& target, LevelSystem& level) {
+  for (Index c = 0; c < static_cast<Index>(level.chains.size()); ++c) {
+    const CreaseChain& chain = level.chains[c];
+    const ChainMatch& chain_match = match.chains[c];
+    const Index n = chain.segment_count();
+    // t counts edges of the cage; this level has 2^depth segments on each.
+    const double segments = std::ldexp(1.0, level.topology.depth);
+    const auto put = [&](Index sample, double t) {
+      if (!chain_match.matched) {
+        level.kind[sample] = SampleKind::crease;
+        return;
+      }
+      level.kind[sample] = SampleKind::chain;
+      level.sample_chain[sample] = c;
+      level.sample_s[sample] = parameter_at(chain_match, t / segments);
+      const CurvePoint point = point_on_path(target, chain_match.path, level.sample_s[sample]);
+      level.feature_position[sample] = point.position;
+      level.feature_tangent[sample] = point.tangent;
+    };
+    for (Index i = 0; i < n; ++i) {
+      if (chain.closed || i > 0) put(chain.vertices[i], i);
+      put(level.edge_sample(chain.edges[i]), i + 0.5);
+    }
+    if (chain.closed) continue;
+    for (const Index v : {chain.vertices.front(), chain.vertices.back()}) {
+      if (v < static_cast<Index>(match.end_is_fixed.size()) && match.end_is_fixed[v]) {
+        level.kind[v] = SampleKind::fixed;
+        level.feature_position[v] = match.end_position[v];
+      } else {
+        level.kind[v] = SampleKind::crease;
+      }
+    }
+  }
+}
+
+}  // namespace
+
+LevelSystem build_level_system(SurfaceLevel topology, std::vector<CreaseChain> chains,
+                               const FeatureMatch& match, const TargetSurface& target) {
+  LevelSystem level;
+  level.samples = oversampled_limit_stencils(topology);
+  level.topology = std::move(topology);
+  level.chains = std::move(chains);
+  const std::size_t count = static_cast<std::size_t>(level.sample_count());
+  level.kind.assign(count, SampleKind::surface);
+  level.sample_chain.assign(count, no_index);
+  level.sample_s.assign(count, 0.0);
+  level.feature_position.assign(count, Vec3::Zero());
+  level.feature_tangent.assign(count, Vec3::Zero());
+
+  const std::vector<Index> sharp = sharp_edge_counts(level.topology);
+  const Index vertices = level.topology.vertex_count();
+  level.vertex_stage.assign(static_cast<std::size_t>(vertices), SolveStage::interior);
+  std::vector<SolveStage> row_stage(count, SolveStage::interior);
+  for (Index v = 0; v < vertices; ++v) {
+    const bool tagged = level.topology.vertex_sharpness[v] >= infinitely_sharp;
+    if (tagged || sharp[v] > 2) {
+      level.vertex_stage[v] = SolveStage::corner;
+      level.kind[v] = SampleKind::crease;
+    } else if (sharp[v] == 2) {
+      level.vertex_stage[v] = SolveStage::crease;
+    }
+    row_stage[v] = level.vertex_stage[v];
+  }
+  for (Index e = 0; e < level.topology.edge_count(); ++e) {
+    if (level.topology.edge_sharpness[e] >= infinitely_sharp) {
+      row_stage[level.edge_sample(e)] = SolveStage::crease;
+    }
+  }
+  place_chain_samples(match, target, level);
+  level.system = build_hierarchical_system(level.samples.position, level.vertex_stage, row_stage);
+  return level;
+}
+
+LimitState limit_state(const LevelSystem& level, std::span<const Vec3> control_points) {
+  LimitState state;
+  state.points = apply_stencils(level.samples.position, control_points);
+  const std::vector<Vec3> u = apply_stencils(level.samples.tangent_u, control_points);
+  const std::vector<Vec3> v = apply_stencils(level.samples.tangent_v, control_points);
+  state.normals.assign(state.points.size(), Vec3::Zero());
+  parallel_for(static_cast<Offset>(u.size()), grain, [&](Offset begin, Offset end) {
+    for (Offset i = begin; i < end; ++i) {
+      if (level.kind[i] != SampleKind::surface) continue;
+      const Vec3 normal = u[i].cross(v[i]);
+      const double norm = normal.norm();
+      if (norm > 0 && std::isfinite(norm)) state.normals[i] = normal / norm;
+    }
+  });
+
+  const SurfaceLevel& t = level.topology;
+  state.lengths.assign(state.points.size(), 0.0);
+  for (Index e = 0; e < t.edge_count(); ++e) {
+    const Vec3& middle = state.points[level.edge_sample(e)];
+    state.lengths[level.edge_sample(e)] = (state.points[t.edge_vertices[e][0]] - middle).norm() +
+                                          (middle - state.points[t.edge_vertices[e][1]]).norm();
+  }
+  const auto mean_of_edges = [&](std::span<const Index> edges) {
+    double sum = 0;
+    for (const Index e : edges) sum += state.lengths[level.edge_sample(e)];
+    return sum / static_cast<double>(edges.size());
+  };
+  for (Index v2 = 0; v2 < t.vertex_count(); ++v2) state.lengths[v2] = mean_of_edges(t.vertex_edges[v2]);
+  for (Index f = 0; f < t.face_count(); ++f) {
+    state.lengths[level.face_sample(f)] = mean_of_edges(t.face_edges[f]);
+  }
+  return state;
+}
+
+std::vector<Index> folded_faces(const LevelSystem& level, const LimitState& state,
+                                std::span<const Vec3> target_normals) {
+  const SurfaceLevel& t = level.topology;
+  std::vector<char> folded(static_cast<std::size_t>(t.face_count()), 0);
+  parallel_for(t.face_count(), grain, [&](Offset begin, Offset end) {
+    for (Index f = static_cast<Index>(begin); f < static_cast<Index>(end); ++f) {
+      const Index middle = level.face_sample(f);
+      const Vec3& wanted = target_normals[middle];
+      const Vec3& normal = state.normals[middle];
+      bool bad = normal.isZero(0) || (!wanted.isZero(0) && normal.dot(wanted) <= 0);
+      const auto corners = t.face_vertices[f];
+      const auto edges = t.face_edges[f];
+      for (std::size_t i = 0; i < corners.size() && !bad; ++i) {
+        const std::size_t before = (i + corners.size() - 1) % corners.size();
+        const std::array<Vec3, 4> quad{state.points[corners[i]], state.points[level.edge_sample(edges[i])],
+                                       state.points[middle], state.points[level.edge_sample(edges[before])]};
+        const Vec3 across = (quad[2] - quad[0]).cross(quad[3] - quad[1]);
+        bad = across.dot(wanted.isZero(0) ? normal : wanted) <= 0;
+        for (std::size_t k = 0; k < 4 && !bad; ++k) {
+          const Vec3 next = quad[(k + 1) % 4] - quad[k];
+          const Vec3 last = quad[(k + 3) % 4] - quad[k];
+          bad = next.cross(last).dot(across) < -1e-9 * next.norm() * last.norm() * across.norm();
+        }
+      }
+      folded[f] = bad ? 1 : 0;
+    }
+  });
+  std::vector<Index> result;
+  for (Index f = 0; f < t.face_count(); ++f) {
+    if (folded[f] != 0) result.push_back(f);
+  }
+  return result;
+}
+
+std::vector<Vec3> tangential_relaxation(const LevelSystem& level, const LimitState& state, double weight) {
+  const SurfaceLevel& t = level.topology;
+  std::vector<Vec3> moves(state.points.size(), Vec3::Zero());
+  for (Index v = 0; v < t.vertex_count(); ++v) {
+    const Vec3& n = state.normals[v];
+    if (n.isZero(0)) continue;
+    Vec3 mean = Vec3::Zero();
+    for (const Index e : t.vertex_edges[v]) {
+      const Index other = t.edge_vertices[e][0] == v ? t.edge_vertices[e][1] : t.edge_vertices[e][0];
+      mean += state.points[other];
+    }
+    const Vec3 way = mean / static_cast<double>(t.vertex_edges[v].size()) - state.points[v];
+    moves[v] = weight * (way - n * n.dot(way));
+  }
+  for (Index e = 0; e < t.edge_count(); ++e) {
+    const Index sample = level.edge_sample(e);
+    if (level.kind[sample] != SampleKind::surface) continue;
+    moves[sample] = 0.5 * (moves[t.edge_vertices[e][0]] + moves[t.edge_vertices[e][1]]);
+  }
+  for (Index f = 0; f < t.face_count(); ++f) {
+    const auto corners = t.face_vertices[f];
+    Vec3 sum = Vec3::Zero();
+    for (const Index v : corners) sum += moves[v];
+    moves[level.face_sample(f)] = sum / static_cast<double>(corners.size());
+  }
+  return moves;
+}
+
+}  // namespace flowcage
