@@ -1,8 +1,66 @@
-#include <cstdio>
+#include <exception>
+#include <new>
+#include <string>
+#include <vector>
 
-#include "occ_bridge/occ_version.hpp"
+#include "cli/command_line.hpp"
+#include "cli/commands/commands.hpp"
+#include "cli/interruption.hpp"
+#include "cli/terminal.hpp"
+#include "core/base/parallel.hpp"
 
-int main() {
-  std::printf("flowcage %s, OpenCASCADE %s\n", FLOWCAGE_VERSION, flowcage::occ_version().c_str());
-  return 0;
+namespace flowcage {
+namespace {
+
+int run(const Request& request, const Interruption& interruption) {
+  if (!request.command) {
+    print(request.text);
+    return 0;
+  }
+  const Options& options = request.options;
+  set_thread_count(options.threads);
+  TerminalProgress progress(interruption, options.quiet);
+  switch (*request.command) {
+    case Command::subdivide:
+      return run_subdivide(options, progress);
+    case Command::mesh:
+    case Command::surface:
+    case Command::inspect:
+    case Command::quality:
+    case Command::cage:
+    case Command::convert:
+      break;
+  }
+  throw Error(ErrorKind::usage, "this command is not in this version", "see flowcage --help");
+}
+
+}  // namespace
+}  // namespace flowcage
+
+int main(int argc, char** argv) {
+  using flowcage::Error;
+  using flowcage::ErrorKind;
+  const auto defect = [](const std::string& what) {
+    return Error(ErrorKind::internal, "internal error: " + what,
+                 "this is a defect of flowcage: please report it with the command and its input files");
+  };
+  const flowcage::Interruption interruption;
+  try {
+    try {
+      const std::vector<std::string> arguments(argv + (argc > 0 ? 1 : 0), argv + argc);
+      return flowcage::run(flowcage::parse_command_line(arguments), interruption);
+    } catch (const Error&) {
+      throw;
+    } catch (const std::bad_alloc&) {
+      throw Error(ErrorKind::internal, "out of memory",
+                  "use fewer levels, a coarser cage or a larger machine");
+    } catch (const std::exception& e) {
+      throw defect(e.what());
+    } catch (...) {
+      throw defect("an unknown exception");
+    }
+  } catch (const Error& error) {
+    flowcage::print_error(error);
+    return static_cast<int>(error.kind());
+  }
 }

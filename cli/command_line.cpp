@@ -1,0 +1,212 @@
+#include "cli/command_line.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <memory>
+
+#include "cli/suggestion.hpp"
+#include "core/base/error.hpp"
+#include "occ_bridge/occ_version.hpp"
+
+namespace flowcage {
+namespace {
+
+struct CommandSpec {
+  Command command;
+  std::string name, summary, input_name, input_help, output_name, output_help, example;
+  bool many_inputs = false;
+  bool writes = true;
+  bool later = false;
+};
+
+const std::vector<CommandSpec>& command_table() {
+  static const std::vector<CommandSpec> table{
+      {Command::mesh, "mesh", "CAD and a cage to an all-hex volume mesh", "CAD", "STEP or IGES files", "OUT",
+       "a folder or X.foam (OpenFOAM polyMesh), or X.vtu; may be repeated",
+       "flowcage mesh wing.step --cage wing_cage.obj --symmetry y --levels 3 -o case", true},
+      {Command::surface, "surface", "the fitted surface mesh of a CAD and a cage", "CAD",
+       "STEP or IGES files", "OUT", "X.obj, X.vtp or X.stl; may be repeated",
+       "flowcage surface wing.step --cage wing_cage.obj --levels 3 -o wing.obj", true},
+      {Command::subdivide, "subdivide", "Catmull-Clark subdivision of a cage, without CAD", "CAGE",
+       "the cage (OBJ)", "OUT", "X.obj", "flowcage subdivide cage.obj --levels 2 --limit -o limit.obj"},
+      {Command::inspect, "inspect", "what is in a CAD file: units, size, faces, edges, names, problems",
+       "CAD", "STEP or IGES files", "", "", "flowcage inspect wing.step --json wing.json", true, false},
+      {Command::quality, "quality", "the quality table of a hex mesh and its worst cells", "MESH",
+       "an OpenFOAM case folder or X.foam, or X.vtu", "", "", "flowcage quality case --json quality.json", 1,
+       false},
+      {Command::cage, "cage", "proposes a cage", "CAD", "", "OUT", "", "", true, true, true},
+      {Command::convert, "convert", "one mesh format to another", "MESH", "", "OUT", "", "", false, true,
+       true}};
+  return table;
+}
+
+/// "0 < T <= 1; default 0.0001 bounding-box diagonals"
+std::string notes(const OptionSpec& row) {
+  const std::string value = row.is_flag() ? std::string() : row.show(Options{});
+  std::string text = row.range;
+  const auto add = [&text](const std::string& part) { text += (text.empty() ? "" : "; ") + part; };
+  if (!row.unit.empty()) add("in " + row.unit);
+  if (!row.default_text.empty()) {
+    add("default: " + row.default_text);
+  } else if (!value.empty()) {
+    add("default: " + value);
+  }
+  if (row.is_flag() && row.negatable) add("default: on");
+  for (const std::string& v : row.later_values) add(v + ": not in this version");
+  return text.empty() ? row.help : fmt::format("{} [{}]", row.help, text);
+}
+
+void bind(CLI::App& app, const OptionSpec& row, Options& options) {
+  const auto set = row.set;
+  if (row.is_flag()) {
+    app.add_flag_callback(
+           "--" + row.name, [set, &options] { set(options, "true"); }, notes(row))
+        ->group(row.group);
+    if (row.negatable) {
+      app.add_flag_callback(
+             "--no-" + row.name, [set, &options] { set(options, "false"); }, "the opposite")
+          ->group(row.group);
+    }
+    return;
+  }
+  app.add_option_function<std::string>(
+         "--" + row.name, [set, &options](const std::string& v) { set(options, v); }, notes(row))
+      ->type_name(row.value_name)
+      // Later options stay out of the help; they exist so that their refusal has its own words.
+      ->group(row.later ? "" : row.group);
+}
+
+CLI::App* add_command(CLI::App& app, const CommandSpec& spec, Options& options) {
+  CLI::App* sub = app.add_subcommand(spec.name, spec.summary);
+  if (spec.later) {
+    sub->group("")->prefix_command();
+    return sub;
+  }
+  sub->add_option(spec.input_name, options.inputs, spec.input_help)
+      ->required()
+      ->type_name("")
+      ->expected(spec.many_inputs ? -1 : 1);
+  if (spec.writes) {
+    sub->add_option("-o,--output", options.outputs, spec.output_help)
+        ->required()
+        ->type_name(spec.output_name)
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  }
+  for (const OptionSpec& row : option_table()) {
+    if (row.belongs_to(spec.command)) bind(*sub, row, options);
+  }
+  sub->footer("Example:\n  " + spec.example);
+  return sub;
+}
+
+std::vector<std::string> command_names() {
+  std::vector<std::string> names;
+  for (const CommandSpec& spec : command_table()) names.push_back(spec.name);
+  return names;
+}
+
+std::vector<std::string> option_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  return names;
+}
+
+/// "did you mean X?" as a remedy, or where to look.
+std::string remedy_for(const std::string& word, const std::vector<std::string>& candidates,
+                       const std::string& help) {
+  const std::string meant = suggestion(word, candidates);
+  return meant.empty() ? fmt::format("see {}", help) : fmt::format("did you mean {}? See {}", meant, help);
+}
+
+/// CLI11 takes an unknown option's value for an argument and complains about that; so names are checked
+/// first.
+void check_option_names(const CLI::App& app, const std::vector<std::string>& arguments,
+                        const std::string& help) {
+  for (std::size_t i = 0; i < arguments.size() && arguments[i] != "--"; ++i) {
+    const std::string& word = arguments[i];
+    if (!word.starts_with('-') || word.size() < 2) continue;
+    const bool is_long = word.starts_with("--");
+    const std::string name = is_long ? word.substr(0, word.find('=')) : word.substr(0, 2);
+    const CLI::Option* option = app.get_option_no_throw(name);
+    if (option == nullptr) {
+      throw Error(ErrorKind::usage, fmt::format("unknown option {}", name),
+                  remedy_for(name, option_names(app), help));
+    }
+    const bool value_follows = option->get_items_expected_max() > 0 && word == name;
+    if (!value_follows) continue;
+    if (++i == arguments.size() || arguments[i].starts_with("--")) {
+      throw Error(ErrorKind::usage, fmt::format("{}: the value is missing", name),
+                  fmt::format("give {} {}", name, option->get_type_name()));
+    }
+  }
+}
+
+void check_opposites(const CLI::App& app) {
+  for (const OptionSpec& row : option_table()) {
+    if (row.negatable && app.get_option_no_throw("--" + row.name) != nullptr &&
+        app.count("--" + row.name) > 0 && app.count("--no-" + row.name) > 0) {
+      throw Error(ErrorKind::usage, fmt::format("--{0} and --no-{0} exclude each other", row.name),
+                  "give one of them");
+    }
+  }
+}
+
+}  // namespace
+
+std::string version_text() {
+  return fmt::format("flowcage {}\nOpenCASCADE {}\nEigen {}.{}.{}\n", FLOWCAGE_VERSION, occ_version(),
+                     EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION);
+}
+
+Request parse_command_line(const std::vector<std::string>& arguments) {
+  Request request;
+  CLI::App app("CAD to all-hexahedral block-structured meshes for flow simulation", "flowcage");
+  app.set_version_flag("--version", version_text(), "versions of flowcage and of its libraries");
+  app.require_subcommand(1);
+  app.get_formatter()->column_width(36);
+  app.footer("Example:\n  " + command_table().front().example +
+             "\n\n`flowcage COMMAND --help` explains a command.");
+  std::vector<std::pair<const CommandSpec*, CLI::App*>> commands;
+  for (const CommandSpec& spec : command_table())
+    commands.emplace_back(&spec, add_command(app, spec, request.options));
+
+  if (arguments.empty()) {
+    throw Error(ErrorKind::usage, "no command given", "see flowcage --help");
+  }
+  const std::string& first = arguments.front();
+  const auto named =
+      std::find_if(commands.begin(), commands.end(), [&](const auto& c) { return c.first->name == first; });
+  if (!first.starts_with('-') && named == commands.end()) {
+    throw Error(ErrorKind::usage, fmt::format("unknown command \"{}\"", first),
+                remedy_for(first, command_names(), "flowcage --help"));
+  }
+  if (named != commands.end() && named->first->later) {
+    throw Error(ErrorKind::usage, fmt::format("the command {} is not in this version", first),
+                "see flowcage --help");
+  }
+  const bool has_command = named != commands.end();
+  CLI::App& active = has_command ? *named->second : app;
+  const std::string help = has_command ? fmt::format("flowcage {} --help", first) : "flowcage --help";
+  check_option_names(active, {arguments.begin() + (has_command ? 1 : 0), arguments.end()}, help);
+  try {
+    app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+    check_opposites(active);
+    request.command = named->first->command;
+  } catch (const CLI::CallForHelp&) {
+    request.text = has_command ? active.help("flowcage") : app.help();
+  } catch (const CLI::CallForVersion&) {
+    request.text = version_text();
+  } catch (const CLI::ParseError& e) {
+    throw Error(ErrorKind::usage, e.what(), "see " + help);
+  }
+  return request;
+}
+
+}  // namespace flowcage

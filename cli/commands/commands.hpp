@@ -1,0 +1,11 @@
+#pragma once
+#include "core/base/progress.hpp"
+#include "core/options.hpp"
+
+namespace flowcage {
+
+/// One function a command, in a file of its name. Each returns the exit code 0 or 4 (a gate is missed) and
+/// throws Error otherwise.
+int run_subdivide(const Options& options, Progress& progress);
+
+}  // namespace flowcage
