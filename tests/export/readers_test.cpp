@@ -36,7 +36,8 @@ std::string vtu_text(const HexMesh& mesh) {
 }
 
 void write_text(const std::filesystem::path& file, const std::string& text) {
-  std::filesystem::remove(file);  // some file systems bring a file that is truncated to the disk, which is slow
+  std::filesystem::remove(
+      file);  // some file systems bring a file that is truncated to the disk, which is slow
   std::ofstream(file, std::ios::binary) << text;
 }
 
