@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "core/mesh/stencil_table.hpp"
 #include "core/mesh/surface_level.hpp"
 
 namespace flowcage {
@@ -20,9 +21,19 @@ struct LimitPoint {
   Vec3 position, du, dv;  ///< du and dv by the location's parameters; du x dv is on the fluid's side
 };
 
+/// Limit points as combinations of the level's vertices: one row a location in each table. Position rows sum
+/// to 1 and have no negative weight; the others sum to 0.
+struct EvaluationStencils {
+  StencilTable position, du, dv;
+};
+
 /// Exact evaluation of the limit surface anywhere (Stam 1998), infinitely sharp creases, corners, darts and
-/// boundaries included; semi-sharp creases by refining until they have decayed. At an extraordinary vertex
-/// itself du and dv are the limit tangents, not the (vanishing or unbounded) derivatives.
+/// boundaries included, by the eigenstructure of the local subdivision matrix (corner_patch.hpp); semi-sharp
+/// creases by refining until they have decayed. du and dv are true derivatives, except at an irregular vertex
+/// itself (extraordinary, dart, corner of several faces, crease with other than two faces in the sector):
+/// there they are the limit tangents of limit_masks.hpp, whose lengths mean nothing.
+///
+/// Builds one finer level (two if the level has n-gons): about 1 kB a vertex.
 class LimitEvaluator {
  public:
   explicit LimitEvaluator(SurfaceLevel level);
@@ -30,12 +41,30 @@ class LimitEvaluator {
   LimitEvaluator(LimitEvaluator&&) noexcept;
   LimitEvaluator& operator=(LimitEvaluator&&) noexcept;
 
-  /// Any thread. Precondition: points.size() == level.vertex_count().
+  /// Any thread. u and v outside of [0,1] are moved to its ends. Preconditions: points.size() ==
+  /// level.vertex_count(); location.face (and corner, on n-gons) in range; u and v are numbers.
   LimitPoint evaluate(std::span<const Vec3> points, const LimitLocation& at) const;
+
+  /// `evaluate` as rows; parallel over the locations.
+  friend EvaluationStencils evaluation_stencils(const LimitEvaluator& evaluator,
+                                                std::span<const LimitLocation> locations);
 
  private:
   struct Tables;
   std::unique_ptr<const Tables> tables_;
 };
+EvaluationStencils evaluation_stencils(const LimitEvaluator& evaluator,
+                                       std::span<const LimitLocation> locations);
+
+/// The limit surface as a fine quad mesh: every face of the level split `splits` times, every vertex a limit
+/// point with its unit normal (on the fluid's side; at a crease that of the vertex's first sector; zero where
+/// the tangents are parallel). Watertight where the level is; patches are inherited; topology.edge_sharpness
+/// tells which edges are creases. With splits = 0 the level's own faces, which may be any polygons.
+struct SampledSurface {
+  SurfaceLevel topology;
+  std::vector<Vec3> points, normals;  ///< #V of the topology
+};
+/// Preconditions: points.size() == level.vertex_count(), splits >= 0.
+SampledSurface sample_limit_surface(const SurfaceLevel& level, std::span<const Vec3> points, int splits);
 
 }  // namespace flowcage
