@@ -80,6 +80,14 @@ ShellParts prepare_inner(const Cage& cage) {
   return parts;
 }
 
+void make_quads(ShellParts& parts) {
+  if (all_quads(parts.inner)) return;
+  parts.inner_points = apply_stencils(refinement_stencils(parts.inner), parts.inner_points);
+  parts.inner = build_child_level(parts.inner);
+  parts.cage_level = 1;
+  flatten_rim(parts.inner, parts.symmetry, parts.inner_points);
+}
+
 Shell join(ShellParts parts) {
   const SurfaceLevel& s = parts.inner;
   const Index n = s.vertex_count();
@@ -237,14 +245,10 @@ Shell build_shell(const Cage& inner, const Cage& outer) {
     outer_level.vertex_sharpness[v] = around.vertex_sharpness[image[v]];
   }
   if (!all_quads(parts.inner)) {
-    const SurfaceLevel coarse = parts.inner;
-    parts.inner_points = apply_stencils(refinement_stencils(coarse), parts.inner_points);
     parts.outer_points = apply_stencils(refinement_stencils(outer_level), parts.outer_points);
-    parts.inner = build_child_level(coarse);
     outer_level = build_child_level(outer_level);
-    parts.cage_level = 1;
-    flatten_rim(parts.inner, parts.symmetry, parts.inner_points);
-    flatten_rim(parts.inner, parts.symmetry, parts.outer_points);
+    flatten_rim(outer_level, parts.symmetry, parts.outer_points);
+    make_quads(parts);
   }
   parts.outer_edge_sharpness = outer_level.edge_sharpness;
   parts.outer_vertex_sharpness = outer_level.vertex_sharpness;

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "core/blocks/outer_shape.hpp"
 #include "core/blocks/symmetry_plane.hpp"
 #include "core/mesh/block_mesh.hpp"
 #include "core/mesh/cage.hpp"
@@ -29,6 +30,8 @@ struct Shell {
       0;  ///< which level of the cage `inner` is: 0, or 1 where the cage has faces that are no quads
   Index k_chord = no_index;
   std::optional<SymmetryPlane> symmetry;  ///< of an open cage
+  std::optional<OuterShape> outer_shape;  ///< of a grown far field (blocks/farfield)
+  bool box_edges_sharp = false;           ///< a box far field whose edges are edges of the mesh
 };
 
 /// The shell between a cage and an outer polyhedron of the same topology in any vertex numbering (blocks/
@@ -53,9 +56,11 @@ struct ShellParts {
 };
 Shell join(ShellParts parts);
 
-/// The inner side of a shell: checked, right side out, its boundary exactly in the plane, quads only.
-/// `inner_points` are the cage's level `cage_level`.
+/// The inner side of a shell: checked, right side out, its boundary exactly in the plane; the cage itself.
 ShellParts prepare_inner(const Cage& cage);
+
+/// Subdivides the inner side once where the cage has faces that are no quads.
+void make_quads(ShellParts& parts);
 
 /// The block mesh of a shell before any refinement: `layers` cells from wall to outer boundary on straight
 /// lines, evenly spaced. `inner_points` replace the shell's own (the fitted control points of level

@@ -63,6 +63,41 @@ inline Cage prism_cage(int n, double radius, double half_height) {
   return make_cage(points, faces);
 }
 
+/// A swept, tapered half wing like the ONERA M6: `sections` rings of six vertices along y from the root plane
+/// y = 0 (open), two vertices on the tip; triangles at the tip's ends.
+inline Cage wing_cage(int sections = 4, double sweep = 0.58) {
+  std::vector<Vec3> points;
+  std::vector<std::vector<Index>> faces;
+  for (int s = 0; s < sections; ++s) {
+    const double y = 1.2 * s / (sections - 1);
+    const double chord = 0.8 - 0.3 * y;
+    const double profile[6][2] = {{0, 0}, {0.2, 0.05}, {0.65, 0.04}, {0.2, -0.05}, {0.65, -0.04}, {1, 0}};
+    for (const auto& [x, z] : profile) points.emplace_back(sweep * y + chord * x, y, chord * z);
+  }
+  const int loop[6] = {0, 1, 2, 5, 4, 3};
+  for (int s = 0; s + 1 < sections; ++s) {
+    for (int n = 0; n < 6; ++n) {
+      const Index a = 6 * s + loop[n];
+      const Index b = 6 * s + loop[(n + 1) % 6];
+      faces.push_back({a, b, b + 6, a + 6});
+    }
+  }
+  const Index r = 6 * (sections - 1);
+  const auto front = static_cast<Index>(points.size());
+  points.emplace_back(0.5 * (points[r + 1] + points[r + 3]) + Vec3(0, 0.02, 0));
+  points.emplace_back(0.5 * (points[r + 2] + points[r + 4]) + Vec3(0, 0.02, 0));
+  const Index back = front + 1;
+  faces.push_back({r, r + 1, front});
+  faces.push_back({r, front, r + 3});
+  faces.push_back({r + 1, r + 2, back, front});
+  faces.push_back({r + 4, r + 3, front, back});
+  faces.push_back({r + 2, r + 5, r + 4, back});
+  Cage cage = make_cage(points, faces);
+  for (int s = 0; s + 1 < sections; ++s) cage.creases.push_back({6 * s + 5, 6 * s + 11, 10});
+  cage.corners = {{r + 5, 10}};
+  return cage;
+}
+
 inline Cage scaled(Cage cage, double factor) {
   for (Vec3& p : cage.points) p *= factor;
   return cage;

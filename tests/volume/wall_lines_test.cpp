@@ -1,6 +1,7 @@
 #include "core/volume/wall_lines.hpp"
 
 #include "core/base/parallel.hpp"
+#include "core/blocks/farfield.hpp"
 #include "core/mesh/visit_cells.hpp"
 #include "core/quality/jacobian.hpp"
 #include "core/subdivide/refine.hpp"
@@ -182,4 +183,16 @@ TEST_CASE("re-spacing gives the same bits on any number of threads") {
   respace_lines(four.mesh, four.shell, {});
   set_thread_count(0);
   CHECK(std::equal(one.mesh.points().begin(), one.mesh.points().end(), four.mesh.points().begin()));
+}
+
+TEST_CASE("volumes between bodies and their grown far fields have no inverted cell") {
+  for (const auto kind : {OuterShape::Kind::sphere, OuterShape::Kind::box}) {
+    for (const Cage& cage : {box_cage({1, 0.2, 2}), sample::wing_cage(), sample::prism_cage(6, 1, 3)}) {
+      Refined r(build_farfield_shell(cage, {kind, 20}, Box3()), 3, 2);
+      place_boundary(r.mesh, r.shell, r.level, {r.wall, outer_points(r.shell, 3, true)});
+      CHECK(min_scaled_jacobian(r.mesh) > 0);
+      respace_lines(r.mesh, r.shell, {});
+      CHECK(min_scaled_jacobian(r.mesh) > 0);
+    }
+  }
 }
