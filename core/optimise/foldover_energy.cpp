@@ -8,8 +8,8 @@ namespace {
 // Notation: E the derivative of position by the unit cube's coordinates (columns: edge vectors at a corner),
 // w = 1 / target length of each column, J = E diag(w), D = det J, C = its cofactors (dD/dJ).
 
-constexpr Offset cell_grain = 256;
-constexpr Offset point_grain = 512;
+constexpr Offset cell_grain = 1024;
+constexpr Offset point_grain = 2048;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// A further sample of thorough cells: derivatives of the eight trilinear shape functions at a node of the
@@ -65,9 +65,19 @@ Chi chi(double epsilon, double determinant) {
   return {value, value / root};
 }
 
+/// (phi / m)^(p - 1)
+double power_factor(double phi, const EnergyParameters& parameters) {
+  const double ratio = phi / (3 + 2 * parameters.lambda);
+  double out = 1;
+  for (int n = 1; n < parameters.exponent; ++n) out *= ratio;
+  return out;
+}
+
 /// Energy of one sample; `derivative`: by J.
-double sample_energy(const Eigen::Matrix3d& j, double lambda, double epsilon, double& determinant,
+double sample_energy(const Eigen::Matrix3d& j, const EnergyParameters& parameters, double& determinant,
                      Eigen::Matrix3d* derivative) {
+  const double lambda = parameters.lambda;
+  const double epsilon = parameters.epsilon;
   Eigen::Matrix3d cofactors;
   cofactors.col(0) = j.col(1).cross(j.col(2));
   cofactors.col(1) = j.col(2).cross(j.col(0));
@@ -80,12 +90,14 @@ double sample_energy(const Eigen::Matrix3d& j, double lambda, double epsilon, do
   const double power = 1 / (root * root);  // chi^(-2/3)
   const double shape = j.squaredNorm() * power;
   const double volume = (determinant * determinant + 1) / x.value;
+  const double phi = shape + lambda * volume;
+  const double factor = power_factor(phi, parameters);
   if (derivative != nullptr) {
     const double by_determinant =
         -(2.0 / 3.0) * shape * x.slope / x.value + lambda * (2 * determinant - volume * x.slope) / x.value;
-    *derivative = 2 * power * j + by_determinant * cofactors;
+    *derivative = (parameters.exponent * factor) * (2 * power * j + by_determinant * cofactors);
   }
-  return shape + lambda * volume;
+  return phi * factor;
 }
 
 HexCornerPoints gather(std::span<const Vec3> positions, const HexPoints& cell) {
@@ -114,8 +126,8 @@ CellEnergy cell_energy(const HexCornerPoints& p, const std::array<float, 12>& in
   Eigen::Matrix3d derivative;
   const auto add = [&](const Eigen::Matrix3d& j) {
     double determinant = 0;
-    out.energy += 0.125 * sample_energy(j, parameters.lambda, parameters.epsilon, determinant,
-                                        gradient != nullptr ? &derivative : nullptr);
+    out.energy +=
+        0.125 * sample_energy(j, parameters, determinant, gradient != nullptr ? &derivative : nullptr);
     out.min_determinant = std::min(out.min_determinant, determinant);
     derivative *= 0.125;
     return out.energy < infinity;
@@ -150,7 +162,10 @@ CellEnergy cell_energy(const HexCornerPoints& p, const std::array<float, 12>& in
 }
 
 EnergyParameters parameters_of(const FoldoverProblem& problem, Offset cell, EnergyParameters parameters) {
-  if (problem.kinds[cell].hopeless) parameters.epsilon = parameters.hopeless_epsilon;
+  if (problem.kinds[cell].hopeless) {
+    parameters.epsilon = parameters.hopeless_epsilon;
+    parameters.exponent = 1;
+  }
   return parameters;
 }
 
@@ -252,7 +267,9 @@ std::vector<Eigen::Matrix3d> energy_blocks(const FoldoverProblem& problem, std::
     const double k = (10.0 / 9.0) * j.squaredNorm() * power * steepness +
                      2 * own.lambda * ((d * d + 1) * steepness + 1) / x.value;
     const Vec3 cn = cofactors * n;
-    const double weight = scale * static_cast<double>(problem.weights[cell]);
+    const double phi = j.squaredNorm() * power + own.lambda * (d * d + 1) / x.value;
+    const double weight =
+        scale * static_cast<double>(problem.weights[cell]) * own.exponent * power_factor(phi, own);
     block += weight * (2 * power * n.squaredNorm() * Eigen::Matrix3d::Identity() + k * cn * cn.transpose());
   };
   parallel_for(static_cast<Offset>(problem.moving.size()), point_grain, [&](Offset begin, Offset end) {

@@ -29,9 +29,10 @@ Csr<Offset> corners_of_points(std::span<const HexPoints> cells, std::span<const 
 
 /// Weights of the energy's terms and its regularisation.
 struct EnergyParameters {
-  double lambda = 0.1;             ///< of the volume term against the shape term
+  double lambda = 0.3;             ///< of the volume term against the shape term
   double epsilon = 0;              ///< 0: a true barrier, infinite at det J <= 0
-  double hopeless_epsilon = 1e-3;  ///< instead of epsilon in hopeless cells
+  double hopeless_epsilon = 1e-3;  ///< instead of epsilon in hopeless cells, there with exponent 1
+  int exponent = 1;                ///< p >= 1: larger ones lift the worst samples more
 };
 
 struct EnergyValue {
@@ -40,13 +41,14 @@ struct EnergyValue {
 };
 
 /// Garanzha, Kaporin, Kudryavtseva, Protais, Ray, Sokolov, "Foldover-free maps in 50 lines of code", ACM TOG
-/// 40 (2021), eqs. (2) to (4) for d = 3:
-///   sum over samples of  tr(J^T J) / chi^(2/3) + lambda (det^2 J + 1) / chi,
-///   chi = (det J + sqrt(epsilon^2 + det^2 J)) / 2.
-/// J maps a box of the target lengths to the cell. Samples are the eight corners (each with the target
-/// lengths of its own three edges, so that a tapered cell keeps its taper), in thorough cells 19 more.
-/// `gradient`: #M, derivative by each moving point; empty: the energy alone. `positions`: every point.
-/// The same bits for any number of threads.
+/// 40 (2021), for d = 3: the sum over samples of
+///   phi = tr(J^T J) / chi^(2/3) + lambda (det^2 J + 1) / chi,  chi = (det J + sqrt(epsilon^2 + det^2 J)) /
+///   2,
+/// here generalised to phi (phi / m)^(p - 1) with m = 3 + 2 lambda, the least value that phi can have, which
+/// it has on target cells. J maps a box of the target lengths to the cell. Samples are the eight corners
+/// (each with the target lengths of its own three edges, so that a tapered cell keeps its taper), in thorough
+/// cells 19 more. `gradient`: #M, derivative by each moving point; empty: the energy alone. `positions`:
+/// every point. The same bits for any number of threads.
 EnergyValue evaluate_energy(const FoldoverProblem& problem, std::span<const Vec3> positions,
                             const EnergyParameters& parameters, std::span<Vec3> gradient);
 

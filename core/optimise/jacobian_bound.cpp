@@ -65,6 +65,18 @@ std::array<Coefficients, 8> eighths(const Coefficients& b) {
   return out;
 }
 
+struct LargerLeast {
+  bool operator()(const Coefficients& a, const Coefficients& b) const { return least(a) > least(b); }
+};
+/// Parts of the cube, the one with the least coefficient on top.
+using Parts = std::priority_queue<Coefficients, std::vector<Coefficients>, LargerLeast>;
+
+void split_worst(Parts& parts) {
+  const Coefficients worst = parts.top();
+  parts.pop();
+  for (const Coefficients& part : eighths(worst)) parts.push(part);
+}
+
 bool finite(const HexCornerPoints& p) {
   return std::all_of(p.begin(), p.end(), [](const Vec3& x) { return x.allFinite(); });
 }
@@ -94,42 +106,33 @@ std::array<double, 27> jacobian_bernstein(const HexCornerPoints& corners) {
   return sum;
 }
 
-double jacobian_lower_bound(const HexCornerPoints& corners, int subdivisions) {
+double jacobian_lower_bound(const HexCornerPoints& corners, int splits) {
   if (!finite(corners)) return std::numeric_limits<double>::quiet_NaN();
-  const auto later = [](const Coefficients& a, const Coefficients& b) { return least(a) > least(b); };
-  std::priority_queue<Coefficients, std::vector<Coefficients>, decltype(later)> parts(later);
+  Parts parts;
   parts.push(jacobian_bernstein(corners));
-  for (int n = 0; n < subdivisions; ++n) {
-    const Coefficients worst = parts.top();
-    if (least(worst) >= least_value(worst)) break;  // attained: the bound is the minimum
-    parts.pop();
-    for (const Coefficients& part : eighths(worst)) parts.push(part);
+  for (int n = 0; n < splits; ++n) {
+    if (least(parts.top()) >= least_value(parts.top())) break;  // attained: the bound is the minimum
+    split_worst(parts);
   }
   return least(parts.top()) - rounding_bound(columns_of(corners));
 }
 
-JacobianSign jacobian_sign(const HexCornerPoints& corners, int max_depth) {
+JacobianSign jacobian_sign(const HexCornerPoints& corners, int max_splits) {
   if (!finite(corners)) return JacobianSign::not_positive;
   const double error = rounding_bound(columns_of(corners));
-  struct Part {
-    Coefficients b;
-    int depth;
-  };
-  std::vector<Part> open{{jacobian_bernstein(corners), 0}};
-  bool decided = true;
-  while (!open.empty()) {
-    const Part part = open.back();
-    open.pop_back();
-    const double value = least_value(part.b);
-    if (value <= -error) return JacobianSign::not_positive;
-    if (least(part.b) > error) continue;
-    if (part.depth >= max_depth || value <= error) {
-      decided = false;
-      continue;
-    }
-    for (const Coefficients& b : eighths(part.b)) open.push_back({b, part.depth + 1});
+  const Coefficients whole = jacobian_bernstein(corners);
+  if (least_value(whole) <= -error) return JacobianSign::not_positive;
+  if (least(whole) > error) return JacobianSign::positive;
+  Parts parts;
+  parts.push(whole);
+  for (int n = 0; n < max_splits; ++n) {
+    if (least(parts.top()) > error) return JacobianSign::positive;
+    if (least_value(parts.top()) <= error) break;  // no split lifts the bound above a value
+    split_worst(parts);
+    // The new parts' corners are new values of det J.
+    if (least_value(parts.top()) <= -error) return JacobianSign::not_positive;
   }
-  return decided ? JacobianSign::positive : JacobianSign::undecided;
+  return least_value(parts.top()) <= -error ? JacobianSign::not_positive : JacobianSign::undecided;
 }
 
 }  // namespace flowcage

@@ -7,7 +7,7 @@ namespace flowcage {
 enum class JacobianSign : std::uint8_t {
   positive,      ///< det J > 0 everywhere: proved
   not_positive,  ///< det J <= 0 at a point that was found
-  undecided,     ///< det J touches zero to within rounding or the subdivision's depth
+  undecided,     ///< det J comes closer to zero than rounding or the number of splits can tell
 };
 
 /// The 27 Bernstein coefficients of det J over the unit cube: det J of a trilinear map is a tensor polynomial
@@ -17,13 +17,13 @@ enum class JacobianSign : std::uint8_t {
 std::array<double, 27> jacobian_bernstein(const HexCornerPoints& corners);
 
 /// A number that det J exceeds or equals everywhere in the hex, rounding included (metre^3): the least
-/// Bernstein coefficient after `subdivisions` splits of the worst part in 8, less a bound of the rounding
-/// error. Sharp on affine hexes; it approaches the true minimum by a factor of about 4 a level. NaN where a
+/// Bernstein coefficient after `splits` times splitting the worst part in 8, less a bound of the rounding
+/// error. Sharp on affine hexes; the gap to the true minimum falls by about 4 a level. NaN where a
 /// coordinate is not finite.
-double jacobian_lower_bound(const HexCornerPoints& corners, int subdivisions = 0);
+double jacobian_lower_bound(const HexCornerPoints& corners, int splits = 0);
 
-/// Subdivides until the sign is certain, to `max_depth` levels. Corners alone do not prove a hex valid; this
-/// does.
-JacobianSign jacobian_sign(const HexCornerPoints& corners, int max_depth = 6);
+/// Splits the part with the least coefficient until the sign is certain, at most `max_splits` times. Corners
+/// alone do not prove a hex valid; this does.
+JacobianSign jacobian_sign(const HexCornerPoints& corners, int max_splits = 50);
 
 }  // namespace flowcage

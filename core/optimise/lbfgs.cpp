@@ -9,7 +9,7 @@
 namespace flowcage {
 namespace {
 
-constexpr Offset grain = 2048;
+constexpr Offset grain = 16384;
 using Vector = std::vector<Vec3>;
 
 double dot(const Vector& a, const Vector& b) {

@@ -133,7 +133,7 @@ LbfgsResult PatchOptimiser::minimise(const EnergyParameters& parameters, Positio
   const auto count = static_cast<Offset>(patch_.moving.size());
   const std::vector<Eigen::Matrix3d> tangent = tangent_projections(slide_, positions, steps_);
   std::vector<Eigen::Matrix3d> inverse = energy_blocks(problem_, positions, parameters);
-  parallel_for(count, 1024, [&](Offset begin, Offset end) {
+  parallel_for(count, 8192, [&](Offset begin, Offset end) {
     for (Offset m = begin; m < end; ++m) {
       const Eigen::Matrix3d& t = tangent[m];
       const double size = std::max(inverse[m].trace(), std::numeric_limits<double>::min());
@@ -175,8 +175,9 @@ LbfgsResult PatchOptimiser::minimise(const EnergyParameters& parameters, Positio
 void PatchOptimiser::untangle() {
   constexpr int patience = 12;  // passes without progress after which the rest is taken for impossible
   constexpr double start_chi = 0.1;
+  constexpr double least_decrease = 0.3;  // of chi in a pass; the paper's 0.1 takes twice the passes
   Positions positions = best_.positions;
-  EnergyParameters parameters{settings_.lambda, 1, 1};
+  EnergyParameters parameters{settings_.lambda, 1, 1, 1};
   double least = energy_at(parameters, positions).min_determinant;
   parameters.epsilon = epsilon_of_chi(start_chi, std::min(least, 0.0));
   double record = least;
@@ -198,7 +199,7 @@ void PatchOptimiser::untangle() {
     since_record = fewer || least > record + 0.01 * std::abs(record) ? 0 : since_record + 1;
     record = std::max(record, least);
     if (since_record >= patience) return;
-    const double sigma = std::max(0.1, 1 - after.energy / energy_before);
+    const double sigma = std::max(least_decrease, 1 - after.energy / energy_before);
     const double mu = (1 - sigma) * chi(parameters.epsilon, least);
     parameters.epsilon = mu > least ? std::max(1e-9, epsilon_of_chi(mu, least)) : 1e-9;
   }
@@ -207,7 +208,7 @@ void PatchOptimiser::untangle() {
 /// Minimises the barrier energy from the best state; keeps the result where it is admissible. Returns whether
 /// it was; `excess`: the energy above that of perfect cells.
 bool PatchOptimiser::smooth_pass(double& excess) {
-  EnergyParameters parameters{settings_.lambda, no_epsilon, 0.1};
+  EnergyParameters parameters{settings_.lambda, no_epsilon, 0.1, settings_.smooth_exponent};
   const double before = energy_at(parameters, best_.positions).energy;
   Positions goal = best_.positions;
   minimise(parameters, goal);

@@ -6,7 +6,7 @@
 namespace flowcage {
 namespace {
 
-constexpr Offset grain = 4096;
+constexpr Offset grain = 8192;
 
 /// Edges drawn once; cell n's are cell_edges[n], slots holds 12 * cell + edge of each cell at an edge.
 struct Edges {

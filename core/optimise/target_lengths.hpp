@@ -21,7 +21,7 @@ struct TargetLengthSettings {
   TargetShape shape = TargetShape::own_lengths;
   double good_scaled_jacobian = 0.2;  ///< edges of which every cell has more keep their own length
   int fill_sweeps = 20;               ///< averaging sweeps over the lengths that were filled in
-  int smoothing_sweeps = 2;  ///< sweeps over all lengths but those between two points that cannot move
+  int smoothing_sweeps = 0;  ///< sweeps over all lengths but those between two points that cannot move
 };
 
 /// 1 / target length of the 12 edges (order of hex_edges) of each cell.

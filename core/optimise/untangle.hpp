@@ -12,9 +12,10 @@ struct UntangleSettings {
   std::vector<PointFreedom> freedom;  ///< #points; empty: boundary points fixed, inner ones free
   std::vector<Projector> projectors;  ///< that `freedom` numbers
   TargetLengthSettings target;        ///< shapes that cells are drawn toward
-  double lambda = 0.1;                ///< weight of the volume term against the shape term
+  double lambda = 0.3;                ///< weight of the volume term against the shape term
   int max_untangle_passes = 60;  ///< each lowers epsilon and minimises; they end with the last inverted cell
   int max_smooth_passes = 6;     ///< each minimises the barrier energy; 0: only untangle
+  int smooth_exponent = 4;       ///< of the smoothing energy: larger lifts the worst cells more
   int iterations_per_pass = 60;  ///< of L-BFGS
   double relative_decrease = 1e-3;  ///< smoothing ends when a pass lowers the energy's excess by less
   double max_cell_evaluations =

@@ -13,8 +13,9 @@ void map_points(BlockMesh& mesh, const F& f) {
   for (Vec3& p : mesh.mutable_points()) p = f(p);
 }
 
-/// Points of the blocks by trilinear interpolation of their corners.
-inline BlockMesh divided(const HexComplex& complex, const std::vector<Index>& divisions) {
+/// Points of the blocks by trilinear interpolation of their corners; missing divisions are 4.
+inline BlockMesh divided(const HexComplex& complex, std::vector<Index> divisions) {
+  divisions.resize(static_cast<std::size_t>(complex.chord_count), 4);
   BlockMesh mesh(std::make_shared<HexComplex>(complex), divisions,
                  std::vector<Vec3>(static_cast<std::size_t>(BlockMesh::point_count(complex, divisions))));
   for (Index b = 0; b < mesh.block_count(); ++b) {
@@ -47,8 +48,8 @@ inline BlockMesh box_mesh(std::array<Index, 3> n) {
   return mesh;
 }
 
-/// Six blocks between the cubes |x|max = 1 (patch 0 "wall") and 2 (patch 1 "farfield"), `around` cells on each
-/// side of the cube, `out` between them.
+/// Six blocks between the cubes |x|max = 1 (patch 0 "wall") and 2 (patch 1 "farfield"), `around` cells on
+/// each side of the cube, `out` between them.
 inline BlockMesh cube_shell(Index around, Index out) {
   std::vector<Vec3> points;
   for (const double size : {1.0, 2.0}) {
@@ -71,8 +72,8 @@ inline BlockMesh cube_shell(Index around, Index out) {
   return divided(complex, divisions);
 }
 
-/// A cube shell mapped between a box of half sizes `half` and a sphere; cells grow geometrically outward, from
-/// the wall on.
+/// A cube shell mapped between a box of half sizes `half` and a sphere; cells grow geometrically outward,
+/// from the wall on.
 struct ShellShape {
   Vec3 half = Vec3::Ones();
   double radius = 10;
