@@ -23,20 +23,17 @@ double skewness(const std::array<Vec3, 4>& quad, const FaceGeometry& face, const
 }  // namespace
 
 FaceGeometry face_geometry(const std::array<Vec3, 4>& quad) {
+  // Relative to the middle m, the triangle (a, b, m) has twice the area vector a x b and its centre at
+  // (a + b) / 3.
   const Vec3 middle = (quad[0] + quad[1] + quad[2] + quad[3]) / 4;
-  Vec3 sum_normal = Vec3::Zero(), sum_centre = Vec3::Zero();
-  double sum_area = 0;
-  for (int i = 0; i < 4; ++i) {
-    const Vec3& a = quad[i];
-    const Vec3& b = quad[(i + 1) % 4];
-    const Vec3 normal = (b - a).cross(middle - a);
-    const double area = normal.norm();
-    sum_normal += normal;
-    sum_area += area;
-    sum_centre += area * (a + b + middle);
-  }
+  const Vec3 a = quad[0] - middle, b = quad[1] - middle, c = quad[2] - middle, d = quad[3] - middle;
+  const Vec3 ab = a.cross(b), bc = b.cross(c), cd = c.cross(d), da = d.cross(a);
+  const double area_ab = ab.norm(), area_bc = bc.norm(), area_cd = cd.norm(), area_da = da.norm();
+  const double sum_area = (area_ab + area_bc) + (area_cd + area_da);
+  const Vec3 sum_normal = (ab + bc) + (cd + da);
+  const Vec3 sum_centre = area_ab * (a + b) + area_bc * (b + c) + area_cd * (c + d) + area_da * (d + a);
   if (sum_area < root_very_small) return {middle, Vec3::Zero()};
-  return {sum_centre / (3 * sum_area), sum_normal / 2};
+  return {middle + sum_centre / (3 * sum_area), sum_normal / 2};
 }
 
 CellGeometry cell_geometry(const HexCorners& hex) {
@@ -80,15 +77,14 @@ double face_orthogonality(const Vec3& area, const Vec3& owner_centre, const Vec3
   return d.dot(area) / (d.norm() * area.norm() + root_very_small);
 }
 
-double face_skewness(const std::array<Vec3, 4>& quad, const Vec3& owner_centre,
-                     const Vec3& neighbour_centre) {
-  const FaceGeometry face = face_geometry(quad);
-  const Vec3 d = neighbour_centre - owner_centre;
-  return skewness(quad, face, face.centre - owner_centre, d, 0.2 * d.norm());
+double face_skewness(const std::array<Vec3, 4>& quad, const FaceGeometry& face,
+                     const std::array<Vec3, 2>& centres) {
+  const Vec3 d = centres[1] - centres[0];
+  return skewness(quad, face, face.centre - centres[0], d, 0.2 * d.norm());
 }
 
-double boundary_face_skewness(const std::array<Vec3, 4>& quad, const Vec3& owner_centre) {
-  const FaceGeometry face = face_geometry(quad);
+double boundary_face_skewness(const std::array<Vec3, 4>& quad, const FaceGeometry& face,
+                              const Vec3& owner_centre) {
   const Vec3 c = face.centre - owner_centre;
   const Vec3 normal = face.area / (face.area.norm() + root_very_small);
   const Vec3 d = normal * normal.dot(c);

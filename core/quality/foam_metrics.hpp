@@ -44,10 +44,13 @@ double face_orthogonality(const Vec3& area, const Vec3& owner_centre, const Vec3
 
 /// |s| / max(0.2 |d|, reach of the face along s), where d joins the two cell centres and s goes from d's
 /// crossing with the face's plane to the face's centre. 0 if they coincide; checkMesh fails above 4.
-double face_skewness(const std::array<Vec3, 4>& quad, const Vec3& owner_centre, const Vec3& neighbour_centre);
+/// `face` is face_geometry(quad), `centres` those of owner and neighbour.
+double face_skewness(const std::array<Vec3, 4>& quad, const FaceGeometry& face,
+                     const std::array<Vec3, 2>& centres);
 
 /// The same on the boundary: d is the part of (face centre - cell centre) along the face's normal, with
 /// factor 0.4.
-double boundary_face_skewness(const std::array<Vec3, 4>& quad, const Vec3& owner_centre);
+double boundary_face_skewness(const std::array<Vec3, 4>& quad, const FaceGeometry& face,
+                              const Vec3& owner_centre);
 
 }  // namespace flowcage

@@ -23,6 +23,13 @@ double scaled_jacobian(const HexCorners& hex);
 /// An inverted cell: the Jacobian is not positive (or no number) at some corner.
 bool is_inverted(const HexCorners& hex);
 
+/// Both of the above at once, for less than the price of one after the other.
+struct JacobianVerdict {
+  double scaled_jacobian = 0;
+  bool inverted = false;
+};
+JacobianVerdict judge_jacobians(const HexCorners& hex);
+
 /// Scaled Jacobian of each cell of a mesh, as a field for pictures.
 std::vector<float> scaled_jacobians(const HexView& mesh);
 

@@ -208,13 +208,14 @@ class Measurement {
     const CellGeometry cell = cell_geometry(corners);
     centres_[c] = cell.centre;
     const Index block = mesh_.block_of(c);
-    part.scaled_jacobian.add(scaled_jacobian(corners), c, block, cell.centre);
+    const JacobianVerdict verdict = judge_jacobians(corners);
+    part.scaled_jacobian.add(verdict.scaled_jacobian, c, block, cell.centre);
     const double aspect = cell_aspect_ratio(cell), openness = cell_openness(cell);
     part.aspect_ratio.add(aspect, c, block, cell.centre);
     part.max_openness = std::max(part.max_openness, openness);
     part.volume.add(std::isfinite(cell.volume) ? cell.volume : -no_number);
     part.total_volume += cell.volume;
-    part.inverted += is_inverted(corners);
+    part.inverted += verdict.inverted;
     part.open += !(openness <= 1e-6);
     part.high_aspect += !(aspect <= 1000);
     part.not_positive += !(cell.volume >= very_small);
@@ -244,9 +245,9 @@ class Measurement {
         part.errors += !(cosine > small);
         part.severe += cosine > small && cosine < std::cos(70 * std::numbers::pi / 180);
         part.pyramids += !(face.area.dot(other - face.centre) / 3 >= -small);
-        skewness = face_skewness(quad, own, other);
+        skewness = face_skewness(quad, face, {own, other});
       } else {
-        skewness = boundary_face_skewness(quad, own);
+        skewness = boundary_face_skewness(quad, face, own);
       }
       part.skewness.add(skewness, c, block, face.centre);
       part.skew += !(skewness <= 4);

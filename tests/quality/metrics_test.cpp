@@ -1,6 +1,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <random>
 
 #include "core/base/parallel.hpp"
 #include "core/mesh/hex_adjacency.hpp"
@@ -33,6 +34,9 @@ QualityReport measure(const HexView& mesh) {
 TEST_CASE("Jacobians of a box are its volume, and its scaled Jacobian is 1") {
   const HexCorners box = mapped_cube([](const Vec3& p) { return Vec3(2 * p.x(), 3 * p.y(), 1e-6 * p.z()); });
   for (const double j : corner_jacobians(box)) CHECK(j == Approx(6e-6).epsilon(1e-14));
+  const HexCorners tiny = mapped_cube([](const Vec3& p) { return Vec3(1e-120 * p); });
+  CHECK(scaled_jacobian(tiny) == Approx(1));
+  CHECK_FALSE(is_inverted(tiny));
   CHECK(scaled_jacobian(box) == Approx(1).margin(1e-15));
   CHECK_FALSE(is_inverted(box));
 }
@@ -57,6 +61,19 @@ TEST_CASE("A corner pushed through its cell inverts it") {
   HexCorners flat = unit_cube();
   flat[6] = Vec3(2.0 / 3, 2.0 / 3, 2.0 / 3);
   CHECK(std::abs(scaled_jacobian(flat)) < 1e-15);
+}
+
+TEST_CASE("Corner Jacobians and the verdict agree on random hexes") {
+  std::mt19937 random(9);
+  std::uniform_real_distribution<double> move(-0.6, 0.6);
+  for (int round = 0; round < 1000; ++round) {
+    const HexCorners hex =
+        mapped_cube([&](const Vec3& p) { return Vec3(p + Vec3(move(random), move(random), move(random))); });
+    const auto jacobians = corner_jacobians(hex);
+    const double least = *std::min_element(jacobians.begin(), jacobians.end());
+    CHECK(is_inverted(hex) == (least <= 0));
+    if (least <= 0) CHECK(scaled_jacobian(hex) <= 0);
+  }
 }
 
 TEST_CASE("Collapsed, mirrored and non-finite cells are inverted") {
@@ -93,9 +110,11 @@ TEST_CASE("OpenFOAM's figures of shapes with known answers") {
   }
   SECTION("skewness of a displaced neighbour") {
     const std::array<Vec3, 4> quad{{{1, 0, 0}, {1, 1, 0}, {1, 1, 1}, {1, 0, 1}}};
-    CHECK(face_skewness(quad, {0.5, 0.5, 0.5}, {1.5, 0.5, 0.5}) == Approx(0).margin(1e-15));
+    const FaceGeometry face = face_geometry(quad);
+    CHECK(face_skewness(quad, face, {Vec3(0.5, 0.5, 0.5), Vec3(1.5, 0.5, 0.5)}) == Approx(0).margin(1e-15));
     // The line crosses the face's plane at y = 0.75; the face reaches 0.5 in that direction.
-    CHECK(face_skewness(quad, {0.5, 0.5, 0.5}, {1.5, 1.0, 0.5}) == Approx(0.5).epsilon(1e-14));
+    CHECK(face_skewness(quad, face, {Vec3(0.5, 0.5, 0.5), Vec3(1.5, 1.0, 0.5)}) ==
+          Approx(0.5).epsilon(1e-14));
     CHECK(face_orthogonality({1, 0, 0}, {0.5, 0.5, 0.5}, {1.5, 1.5, 0.5}) ==
           Approx(std::sqrt(0.5)).epsilon(1e-14));
   }
