@@ -1,5 +1,4 @@
 #pragma once
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,51 +10,76 @@
 #include "core/quality/quality_report.hpp"
 #include "core/refit/fit_surface.hpp"
 #include "core/target/target_surface.hpp"
+#include "core/volume/wall_lines.hpp"
 
 namespace flowcage {
 
-/// Figure 1 of Rom & Brakhage (2011) as code: fit the cage's limit surface to the CAD, connect it to an outer surface,
-/// refine the blocks, follow the fitted surface, judge the result. All lengths in metres.
+/// Figure 1 of Rom & Brakhage (2011) as code: fit the cage's limit surface to the CAD, connect it to an outer
+/// surface, refine the blocks in 3-D, follow the fitted surface, judge the result. Lengths in metres,
+/// deviations relative to the CAD's bounding-box diagonal. A result that misses a gate is returned: the
+/// caller decides what to do with it. Throws Error(input) for a cage or an outer surface that cannot be used,
+/// Error(interrupted) by `progress`.
 
-/// A condition that a result must meet; `place` and `detail` say where and how it is missed.
+/// A condition that a result must meet; `detail` says where and by how much it is missed.
 struct Gate {
   std::string name;
   double limit = 0, value = 0;
   bool holds = true;
-  Vec3 place = Vec3::Zero();
   std::string detail;
-};
-
-/// Per boundary patch of a mesh: what an engineer checks first.
-struct PatchSummary {
-  std::string name;
-  PatchType type = PatchType::wall;
-  Index faces = 0;
-  double max_deviation = 0, rms_deviation = 0;        ///< mesh points to CAD, relative to the diagonal; walls only
-  double min_first_height = 0, max_first_height = 0;  ///< distance of the first point off the wall, metres; walls only
-};
-
-struct SurfaceMesh {
-  std::vector<Vec3> points;             ///< #V limit points (snapped if asked) of the last level
-  std::vector<Vec3> normals;            ///< #V, on the fluid's side
-  std::vector<double> deviation;        ///< #V distance to the CAD in metres
-  SurfaceLevel topology;
 };
 
 struct SurfaceSettings {
   FitSettings fit;
-  double tolerance = 1e-4;  ///< gate; relative to the CAD's diagonal
-  bool snap = true;
-  int sample = 0;           ///< > 0: the fitted limit surface itself, each face split this many times more; no snap
+  double tolerance = 1e-4;  ///< gate: largest deviation
+  bool snap = true;         ///< put the vertices of the last level exactly on the CAD
+  int sample = 0;  ///< > 0: the fitted limit surface itself, each face split this many times more; no snap
 };
 
 struct SurfaceResult {
   SurfaceFit fit;
-  SurfaceMesh mesh;
+  Cage mesh;                      ///< limit points of the last level (or of its samples), with patches
+  std::vector<double> deviation;  ///< #V, of the fitted surface (before any snap) from the CAD, metres
   std::vector<Gate> gates;
 };
 
 SurfaceResult make_surface(const Cage& cage, const TargetSurface& target, const SurfaceSettings& settings,
                            Progress& progress);
+
+struct VolumeSettings {
+  FitSettings fit;
+  double tolerance = 1e-4;
+  bool snap = true;
+  std::optional<Cage> outer;  ///< none: a far field is made
+  FarField farfield;
+  LineSpacing spacing;
+  Offset cells = 0;  ///< > 0: refine to the level nearest to so many cells, whatever fit.levels says
+};
+
+/// What an engineer looks at first, per boundary patch.
+struct PatchSummary {
+  std::string name;
+  PatchType type = PatchType::wall;
+  Index faces = 0;
+  double max_deviation = 0, rms_deviation = 0;        ///< walls: of the fitted surface at the mesh's points
+  double min_first_height = 0, max_first_height = 0;  ///< walls: first point off the wall, metres
+};
+
+struct VolumeResult {
+  SurfaceFit fit;
+  BlockMesh mesh;
+  QualityReport quality;
+  SpacingReport spacing;
+  std::vector<double>
+      deviation;  ///< #points; of the fitted surface from the CAD at wall points, metres, else 0
+  std::vector<PatchSummary> patches;
+  std::vector<Gate> gates;
+  double fit_seconds = 0, volume_seconds = 0;
+};
+
+VolumeResult make_volume(const Cage& cage, const TargetSurface& target, const VolumeSettings& settings,
+                         Progress& progress);
+
+/// True when all hold.
+bool all_hold(const std::vector<Gate>& gates);
 
 }  // namespace flowcage

@@ -1,0 +1,205 @@
+#include "core/pipeline.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include "core/blocks/shell.hpp"
+#include "core/limit/evaluate.hpp"
+#include "core/limit/limit_stencils.hpp"
+#include "core/mesh/hex_adjacency.hpp"
+#include "core/subdivide/refine.hpp"
+#include "core/volume/refine_volume.hpp"
+
+namespace flowcage {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// How far the surface may miss CAD that the fit should have covered, in tolerances: both are sampled.
+constexpr double coverage_factor = 1.5;
+
+Gate make_gate(std::string name, double limit, double value, std::string where) {
+  Gate gate{std::move(name), limit, value, value <= limit, {}};
+  if (!gate.holds) gate.detail = std::move(where);
+  return gate;
+}
+
+std::vector<Gate> surface_gates(const SurfaceFit& fit, double tolerance, double diagonal) {
+  const Index folds = fit.levels.back().report.folds;
+  return {
+      make_gate("max_deviation", tolerance, fit.max_deviation,
+                fmt::format("the fitted surface is {:.3g} m from the CAD near {}",
+                            fit.max_deviation * diagonal, place(fit.worst_place))),
+      make_gate("coverage_deviation", coverage_factor * tolerance, fit.coverage_deviation,
+                fmt::format("CAD near {} is {:.3g} m from the fitted surface",
+                            place(fit.worst_coverage_place), fit.coverage_deviation * diagonal)),
+      make_gate("surface_folds", 0, folds, fmt::format("{} faces of the fitted surface are folded", folds)),
+  };
+}
+
+// Limit points of a level's vertices.
+std::vector<Vec3> limit_points(const FittedLevel& level) {
+  return apply_stencils(limit_stencils(level.topology), level.control_points);
+}
+
+// Vertices of the last level, put on the CAD where the fit knows their place.
+std::vector<Vec3> snapped(const SurfaceFit& fit, std::vector<Vec3> points) {
+  for (std::size_t v = 0; v < points.size(); ++v) {
+    if (fit.vertex_targets[v].kind != VertexTarget::Kind::none) points[v] = fit.vertex_targets[v].position;
+  }
+  return points;
+}
+
+std::vector<double> distances_to(const TargetSurface& target, std::span<const Vec3> points) {
+  std::vector<SurfacePoint> feet(points.size());
+  target.closest_points(points, {}, feet);
+  std::vector<double> distances(points.size());
+  std::transform(feet.begin(), feet.end(), distances.begin(),
+                 [](const SurfacePoint& f) { return f.distance; });
+  return distances;
+}
+
+Cage as_cage(const SurfaceLevel& level, std::vector<Vec3> points, const Cage& like) {
+  Cage mesh;
+  mesh.points = std::move(points);
+  mesh.faces = level.face_vertices;
+  mesh.face_patch = level.face_patch;
+  mesh.patch_names = like.patch_names;
+  return mesh;
+}
+
+// The level whose number of cells is nearest to the wish, in ratio.
+int level_for_cells(const Shell& shell, Offset cells) {
+  const double blocks = static_cast<double>(shell.inner.face_count());
+  const double wish = std::log(static_cast<double>(cells) / blocks) / std::log(8.0);
+  return shell.cage_level + std::max(0, static_cast<int>(std::lround(wish)));
+}
+
+// The blocks at the last level: refined in 3-D, the wall following the fitted control points at each level,
+// finally limit points (on the CAD if asked) on the wall and the outer surface's own limit outside.
+BlockMesh refine_to_fit(const Shell& shell, const VolumeSettings& settings, const SurfaceFit& fit,
+                        Progress& progress) {
+  const int last = static_cast<int>(fit.levels.size()) - 1;
+  BlockMesh mesh = start_volume(shell, fit.levels[shell.cage_level].control_points);
+  for (int level = shell.cage_level + 1; level <= last; ++level) {
+    progress.step("volume",
+                  static_cast<double>(level - shell.cage_level - 1) / (last - shell.cage_level + 1));
+    mesh = refine_volume(mesh);
+    const std::vector<Vec3> outer = outer_points(shell, level - shell.cage_level, false);
+    place_boundary(mesh, shell, fit.levels[level].topology, {fit.levels[level].control_points, outer});
+  }
+  const SurfaceLevel& top = fit.levels[last].topology;
+  std::vector<Vec3> wall = limit_points(fit.levels[last]);
+  if (settings.snap) wall = snapped(fit, std::move(wall));
+  const std::vector<Vec3> outer = outer_points(shell, last - shell.cage_level, true);
+  place_boundary(mesh, shell, top, {wall, outer});
+  return mesh;
+}
+
+std::vector<PatchSummary> summarise_patches(const BlockMesh& mesh, const Shell& shell,
+                                            const SurfaceLevel& top, std::span<const double> deviation,
+                                            double diagonal) {
+  const std::vector<ShellLine> lines = shell_lines(shell, top);
+  const std::vector<Index> wall = layer_points(mesh, lines, 0), first = layer_points(mesh, lines, 1);
+  std::vector<double> height(mesh.points().size(), 0);
+  for (std::size_t v = 0; v < wall.size(); ++v) {
+    height[wall[v]] = (mesh.points()[first[v]] - mesh.points()[wall[v]]).norm();
+  }
+  std::vector<PatchSummary> summaries;
+  for (const BoundaryPatch& patch : mesh.patches()) {
+    PatchSummary s{patch.name, patch.type, static_cast<Index>(patch.quads.size())};
+    if (patch.type == PatchType::wall && s.faces > 0) {
+      s.min_first_height = std::numeric_limits<double>::max();
+      double squares = 0;
+      for (const auto& quad : patch.quads) {
+        for (Index p : quad) {
+          s.max_deviation = std::max(s.max_deviation, deviation[p] / diagonal);
+          squares += std::pow(deviation[p] / diagonal, 2) / 4;
+          s.min_first_height = std::min(s.min_first_height, height[p]);
+          s.max_first_height = std::max(s.max_first_height, height[p]);
+        }
+      }
+      s.rms_deviation = std::sqrt(squares / s.faces);
+    }
+    summaries.push_back(std::move(s));
+  }
+  return summaries;
+}
+
+Gate inversion_gate(const QualityReport& quality) {
+  const auto& worst = quality.scaled_jacobian.worst;
+  return make_gate("inverted_cells", 0, static_cast<double>(quality.inverted_cells),
+                   worst.empty()
+                       ? ""
+                       : fmt::format("{} of {} cells are inverted; the worst, cell {} of block {}, is at {} "
+                                     "(scaled Jacobian {:.3g})",
+                                     quality.inverted_cells, quality.cells, worst.front().cell,
+                                     worst.front().block, place(worst.front().place), worst.front().value));
+}
+
+}  // namespace
+
+bool all_hold(const std::vector<Gate>& gates) {
+  return std::all_of(gates.begin(), gates.end(), [](const Gate& g) { return g.holds; });
+}
+
+SurfaceResult make_surface(const Cage& cage, const TargetSurface& target, const SurfaceSettings& settings,
+                           Progress& progress) {
+  SurfaceResult result;
+  result.fit = fit_surface(cage, target, settings.fit, progress);
+  const FittedLevel& last = result.fit.levels.back();
+  std::vector<Vec3> limit;
+  if (settings.sample > 0) {
+    const SampledSurface sampled = sample_limit_surface(last.topology, last.control_points, settings.sample);
+    result.mesh = as_cage(sampled.topology, sampled.points, cage);
+    result.deviation = distances_to(target, result.mesh.points);
+  } else {
+    limit = limit_points(last);
+    result.deviation = distances_to(target, limit);
+    if (settings.snap) limit = snapped(result.fit, std::move(limit));
+    result.mesh = as_cage(last.topology, std::move(limit), cage);
+  }
+  result.gates = surface_gates(result.fit, settings.tolerance, target.diagonal());
+  return result;
+}
+
+VolumeResult make_volume(const Cage& cage, const TargetSurface& target, const VolumeSettings& settings,
+                         Progress& progress) {
+  const Shell shell = settings.outer ? build_shell(cage, *settings.outer)
+                                     : build_farfield_shell(cage, settings.farfield, target.bounds());
+  FitSettings fit_settings = settings.fit;
+  if (settings.cells > 0) fit_settings.levels = level_for_cells(shell, settings.cells);
+  fit_settings.levels = std::max(fit_settings.levels, shell.cage_level);
+
+  const auto fit_start = Clock::now();
+  SurfaceFit fit = fit_surface(cage, target, fit_settings, progress);
+  const double fit_seconds = seconds_since(fit_start);
+
+  const auto volume_start = Clock::now();
+  BlockMesh mesh = refine_to_fit(shell, settings, fit, progress);
+  const SpacingReport spacing = respace_lines(mesh, shell, settings.spacing);
+
+  progress.step("quality", 0);
+  const FittedLevel& last = fit.levels.back();
+  const std::vector<double> wall_deviation = distances_to(target, limit_points(last));
+  const std::vector<Index> wall = layer_points(mesh, shell_lines(shell, last.topology), 0);
+  std::vector<double> deviation(mesh.points().size(), 0);
+  for (std::size_t v = 0; v < wall.size(); ++v) deviation[wall[v]] = wall_deviation[v];
+  const double diagonal = target.diagonal();
+  QualityReport quality = measure_quality(mesh, build_hex_adjacency(mesh), {}, &progress);
+  std::vector<PatchSummary> patches = summarise_patches(mesh, shell, last.topology, deviation, diagonal);
+  std::vector<Gate> gates = surface_gates(fit, settings.tolerance, diagonal);
+  gates.push_back(inversion_gate(quality));
+  return {std::move(fit),   std::move(mesh),      std::move(quality),
+          spacing,          std::move(deviation), std::move(patches),
+          std::move(gates), fit_seconds,          seconds_since(volume_start)};
+}
+
+}  // namespace flowcage
