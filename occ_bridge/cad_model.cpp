@@ -1,12 +1,26 @@
 #include "occ_bridge/cad_model.hpp"
 
+#include <fmt/format.h>
 #include <cmath>
 
 #include "occ_bridge/internal/build_model.hpp"
 #include "occ_bridge/internal/cad_data.hpp"
+#include "occ_bridge/internal/isolate.hpp"
+#include "occ_bridge/internal/read_files.hpp"
 #include "occ_bridge/internal/shape_rep.hpp"
+#include "occ_bridge/internal/sniff.hpp"
 
 namespace flowcage {
+
+namespace {
+
+CadModel finished(occ::PreparedModel prepared, const CadReadSettings& settings, Progress& progress) {
+  auto data = occ::build_model(std::move(prepared), settings, progress);
+  for (const std::string& warning : data->summary.warnings) progress.warn(warning);
+  return CadModel(std::move(data));
+}
+
+}  // namespace
 
 void CadModel::closest_points(std::span<const Vec3>, std::span<const SurfacePoint>,
                               std::span<SurfacePoint>) const {
@@ -63,23 +77,39 @@ const CadSummary& CadModel::summary() const {
 
 CadModel read_cad(std::span<const std::string> files, const CadReadSettings& settings, Progress& progress) {
   if (files.empty()) throw Error(ErrorKind::usage, "no CAD file", "name at least one STEP or IGES file");
-  occ::FaceNames names;
-  std::vector<occ::FileContent> contents;
+  std::string all;
   for (const std::string& file : files) {
-    contents.push_back(occ::read_cad_file(file, settings.cad_unit, names, progress));
+    occ::sniff_cad_file(file);  // clear errors at once, before a process is started
+    if (!all.empty()) all += ", ";
+    all += file;
   }
-  return CadModel(occ::build_model(contents, names, settings, progress));
+  const auto work = [&] {
+    Progress nobody;
+    occ::FaceNames names;
+    std::vector<occ::FileContent> contents;
+    for (const std::string& file : files) {
+      contents.push_back(occ::read_cad_file(file, settings.cad_unit, names, nobody));
+    }
+    occ::PreparedModel prepared = occ::prepare_model(contents, names, settings, nobody);
+    std::string bytes = occ::bytes_of(prepared);
+    occ::build_model(std::move(prepared), settings, nobody);  // whether it survives this, too
+    return bytes;
+  };
+  const std::string bytes = occ::run_isolated(
+      work, {.file = all, .stage = fmt::format("read {}", all), .limit_seconds = settings.time_limit_seconds},
+      progress);
+  return finished(occ::prepared_from(bytes), settings, progress);
 }
 
 CadModel cad_model_of(const Shape& shape, const CadReadSettings& settings, Progress& progress) {
   occ::FaceNames names;
-  const std::vector<occ::FileContent> contents{{.file = "(built in code)",
-                                                .format = "BREP",
-                                                .unit = "m",
-                                                .unit_in_metres = 1,
-                                                .shape_unit = 1,
-                                                .shape = shape.rep().shape}};
-  return CadModel(occ::build_model(contents, names, settings, progress));
+  occ::FileContent content;
+  content.file = std::string("(built in code)");
+  content.format = std::string("BREP");
+  content.unit = std::string("m");
+  content.shape_unit = 1;
+  content.shape = shape.rep().shape;
+  return finished(occ::prepare_model({content}, names, settings, progress), settings, progress);
 }
 
 }  // namespace flowcage

@@ -19,6 +19,8 @@ struct CadReadSettings {
   std::vector<double> sewing_tolerances{1e-6, 1e-5, 1e-4};  ///< tried in this order until nothing is open
   double deflection = 1e-3;                                 ///< of the tessellation from the exact surface
   double tessellation_angle_degrees = 15;
+  double time_limit_seconds =
+      300;  ///< for reading and repairing: damaged files can keep the kernel busy for ever
 };
 
 /// One file as it was found.
@@ -87,10 +89,10 @@ class CadModel final : public TargetSurface {
   std::shared_ptr<const Data> data_;
 };
 
-/// Reads STEP, IGES and BREP files (told apart by content) into one model. Sews what is open, makes closed
-/// shells solids, splits faces at sharp knot lines, and finds features. What can be worked around is a line
-/// in summary().warnings and progress.warn(). Throws Error(input) naming the file for one that is missing, no
-/// CAD, cut off or without a surface.
+/// Reads, in a process of its own that a damaged file may crash, STEP, IGES and BREP files (told apart by
+/// content) into one model. Sews what is open, makes closed shells solids, splits faces at sharp knot lines,
+/// and finds features. What can be worked around is a line in summary().warnings and progress.warn(). Throws
+/// Error(input) naming the file for one that is missing, no CAD, cut off, damaged or without a surface.
 CadModel read_cad(std::span<const std::string> files, const CadReadSettings& settings, Progress& progress);
 
 /// The same for a shape built in code.

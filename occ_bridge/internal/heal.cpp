@@ -185,7 +185,8 @@ double signed_volume(const TopoDS_Shape& solid) {
     const auto mesh = BRep_Tool::Triangulation(TopoDS::Face(shape), location);
     if (mesh.IsNull()) continue;
     const gp_Trsf trsf = location.Transformation();
-    const bool flip = (shape.Orientation() == TopAbs_REVERSED) != trsf.IsNegative();
+    const bool flip =
+        shape.Orientation() == TopAbs_REVERSED;  // also under a mirroring location: the winding mirrors, too
     for (int t = 1; t <= mesh->NbTriangles(); ++t) {
       int a = 0, b = 0, c = 0;
       mesh->Triangle(t).Get(a, b, c);

@@ -130,7 +130,8 @@ Tessellation collect_triangles(const FaceEdges& topology, double scale) {
     const FaceMesh& part = meshes[f];
     if (part.mesh.IsNull()) continue;
     const gp_Trsf trsf = part.location.Transformation();
-    const bool flip = (topology.face(f).Orientation() == TopAbs_REVERSED) != trsf.IsNegative();
+    const bool flip = topology.face(f).Orientation() ==
+                      TopAbs_REVERSED;  // also under a mirroring location: the winding mirrors, too
     const auto point = [&](int node) {
       const Index root = joined.root(part.first + node - 1);
       if (number[root] == no_index) {
