@@ -23,9 +23,10 @@ int run(const Request& request, const Interruption& interruption) {
   switch (*request.command) {
     case Command::subdivide:
       return run_subdivide(options, progress);
+    case Command::inspect:
+      return run_inspect(options, progress);
     case Command::mesh:
     case Command::surface:
-    case Command::inspect:
     case Command::quality:
     case Command::cage:
     case Command::convert:

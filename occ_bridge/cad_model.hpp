@@ -27,7 +27,7 @@ struct CadReadSettings {
 struct CadFile {
   std::string name;           ///< as given
   std::string format;         ///< STEP, IGES or BREP
-  std::string unit;           ///< as the file says (lower case); "" where it says none
+  std::string unit;           ///< of the file: m, mm, in, ft, ...; "" where it says none
   double unit_in_metres = 0;  ///< of its numbers, after --cad-unit; 0: unknown to us, the kernel converts
   Index solids = 0, faces = 0;
 };

@@ -7,5 +7,6 @@ namespace flowcage {
 /// One function a command, in a file of its name. Each returns the exit code 0 or 4 (a gate is missed) and
 /// throws Error otherwise.
 int run_subdivide(const Options& options, Progress& progress);
+int run_inspect(const Options& options, Progress& progress);
 
 }  // namespace flowcage

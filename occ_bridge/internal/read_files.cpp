@@ -37,9 +37,40 @@ namespace {
 constexpr const char* formats_hint =
     "give a STEP (.step, .stp), IGES (.iges, .igs) or OpenCASCADE BREP (.brep) file";
 
+struct LengthUnit {
+  double metres;
+  std::array<const char*, 5> names;  ///< the first is ours
+};
+
 std::string lower(std::string text) {
   std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
   return text;
+}
+
+const LengthUnit* known_unit(const std::string& name) {
+  static constexpr std::array<LengthUnit, 10> units{{
+      {1.0, {"m", "metre", "meter", "metres", "meters"}},
+      {1e-3, {"mm", "millimetre", "millimeter", "millimetres", "millimeters"}},
+      {1e-2, {"cm", "centimetre", "centimeter", "centimetres", "centimeters"}},
+      {1e-6, {"um", "micrometre", "micrometer", "micron", "microns"}},
+      {1e3, {"km", "kilometre", "kilometer", "kilometres", "kilometers"}},
+      {0.0254, {"in", "inch", "inches", "\"", "inch_unit"}},
+      {0.3048, {"ft", "foot", "feet", "'", "foot_unit"}},
+      {1609.344, {"mi", "mile", "miles", "mile_unit", "statute_mile"}},
+      {2.54e-5, {"mil", "mils", "thou", "milinch", "mil_unit"}},
+      {2.54e-8, {"uin", "microinch", "microinches", "uinch", "microinch_unit"}},
+  }};
+  const std::string wanted = lower(name);
+  for (const LengthUnit& unit : units) {
+    if (std::ranges::any_of(unit.names, [&](const char* known) { return wanted == known; })) return &unit;
+  }
+  return nullptr;
+}
+
+/// Our short name where we know the unit, else the file's in lower case.
+std::string unit_name(const std::string& name) {
+  const LengthUnit* known = known_unit(name);
+  return known == nullptr ? lower(name) : std::string(known->names[0]);
 }
 
 Index count_faces(const TopoDS_Shape& shape) {
@@ -109,9 +140,9 @@ FileContent read_step(const std::string& file, FaceNames& names, Progress& progr
   }
   TColStd_SequenceOfAsciiString lengths, angles, solid_angles;
   failure_of([&] { reader.FileUnits(lengths, angles, solid_angles); });
-  content.unit = lengths.IsEmpty() ? "" : lower(lengths.First().ToCString());
+  content.unit = lengths.IsEmpty() ? "" : unit_name(lengths.First().ToCString());
   for (int i = 2; i <= lengths.Length(); ++i) {
-    const std::string other = lower(lengths(i).ToCString());
+    const std::string other = unit_name(lengths(i).ToCString());
     if (other != content.unit) {
       content.warnings.push_back("parts are in different units (" + content.unit + ", " + other +
                                  "); each is read in its own");
@@ -149,7 +180,7 @@ FileContent read_iges(const std::string& file, FaceNames& names, Progress& progr
         "export the file again from the CAD system");
   }
   const Handle(TCollection_HAsciiString) unit = model->GlobalSection().UnitName();
-  content.unit = unit.IsNull() ? "" : lower(unit->ToCString());
+  content.unit = unit.IsNull() ? "" : unit_name(unit->ToCString());
   content.unit_in_metres = 1e-3 * model->GlobalSection().UnitValue();
   transfer_all(reader, content, progress);
 
@@ -214,29 +245,8 @@ void FaceNames::inherit(const TopoDS_Shape& from, const TopoDS_Shape& to) {
 }
 
 double metres_per_unit(const std::string& unit) {
-  struct Unit {
-    double metres;
-    std::array<const char*, 5> names;
-  };
-  static constexpr std::array<Unit, 10> units{{
-      {1.0, {"m", "metre", "meter", "metres", "meters"}},
-      {1e-3, {"mm", "millimetre", "millimeter", "millimetres", "millimeters"}},
-      {1e-2, {"cm", "centimetre", "centimeter", "centimetres", "centimeters"}},
-      {1e-6, {"um", "micrometre", "micrometer", "micron", "microns"}},
-      {1e3, {"km", "kilometre", "kilometer", "kilometres", "kilometers"}},
-      {0.0254, {"in", "inch", "inches", "\"", "inch_unit"}},
-      {0.3048, {"ft", "foot", "feet", "'", "foot_unit"}},
-      {1609.344, {"mi", "mile", "miles", "mile_unit", "statute_mile"}},
-      {2.54e-5, {"mil", "mils", "thou", "milinch", "mil_unit"}},
-      {2.54e-8, {"uin", "microinch", "microinches", "uinch", "microinch_unit"}},
-  }};
-  const std::string wanted = lower(unit);
-  for (const Unit& known : units) {
-    if (std::ranges::any_of(known.names, [&](const char* name) { return wanted == name; })) {
-      return known.metres;
-    }
-  }
-  return 0;
+  const LengthUnit* known = known_unit(unit);
+  return known == nullptr ? 0 : known->metres;
 }
 
 FileContent read_cad_file(const std::string& file, const std::string& cad_unit, FaceNames& names,

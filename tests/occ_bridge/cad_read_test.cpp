@@ -1,18 +1,15 @@
 // Reading CAD, on shapes built in code: every count, length and volume below is known in closed form.
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <numbers>
 #include <random>
-#include <sstream>
 
 #include "occ_bridge/cad_model.hpp"
 #include "occ_bridge/internal/arc_length.hpp"
 #include "occ_bridge/shapes.hpp"
 #include "tests/catch.hpp"
+#include "tests/occ_bridge/cad_scratch.hpp"
 
 using namespace flowcage;
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -28,34 +25,12 @@ CadModel read_one(const std::string& file, const CadReadSettings& settings = {})
   return read_cad({&file, 1}, settings, silent);
 }
 
-/// A folder of its own that is gone at the end.
-struct Scratch {
-  fs::path path;
-  Scratch() {
-    std::random_device seed;
-    path = fs::temp_directory_path() / ("flowcage_cad_read_" + std::to_string(seed()));
-    fs::create_directories(path);
-  }
-  ~Scratch() { fs::remove_all(path); }
-  std::string file(const std::string& name) const { return (path / name).string(); }
-  std::string write(const std::string& name, const std::string& text) const {
-    std::ofstream(path / name, std::ios::binary) << text;
-    return file(name);
-  }
-};
-
 double volume(const Tessellation& mesh) {
   double six = 0;
   for (const auto& t : mesh.triangles) {
     six += mesh.points[t[0]].dot(mesh.points[t[1]].cross(mesh.points[t[2]]));
   }
   return six / 6;
-}
-
-std::string text_of(const std::string& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
 }
 
 template <typename Call>
