@@ -57,8 +57,8 @@ Vec2 minimise_in_box(const Model& m, const Box& box) {
 class Search {
  public:
   Search(const ParametricPatch& patch, const Vec3& query, const ClosestPointSettings& settings)
-      : patch_(patch), query_(query), settings_(settings), domain_(patch.domain()) {
-    periodic_ = {patch.periodic_u(), patch.periodic_v()};
+      : patch_(patch), query_(query), settings_(settings), domain_(settings.window.value_or(patch.domain())) {
+    if (!settings.window) periodic_ = {patch.periodic_u(), patch.periodic_v()};
   }
 
   PatchFoot run(const Vec2& start) {
@@ -132,6 +132,13 @@ class Search {
     const Box box = room();
     held_ = (g.x() > 0 && box.low.x() == 0) || (g.x() < 0 && box.high.x() == 0) ||
             (g.y() > 0 && box.low.y() == 0) || (g.y() < 0 && box.high.y() == 0);
+    if (settings_.give_up_above < std::numeric_limits<double>::infinity()) {
+      const double descent = std::min(g.x() * box.low.x(), g.x() * box.high.x()) +
+                             std::min(g.y() * box.low.y(), g.y() * box.high.y());
+      if (f_ + descent > 0.5 * settings_.give_up_above * settings_.give_up_above) {
+        return FootConvergence::given_up;
+      }
+    }
     bool newton = settings_.method == FootMethod::newton;
     Vec2 d;
     if (newton) {

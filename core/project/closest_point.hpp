@@ -1,4 +1,7 @@
 #pragma once
+#include <limits>
+#include <optional>
+
 #include "core/target/parametric_patch.hpp"
 
 namespace flowcage {
@@ -20,6 +23,10 @@ struct ClosestPointSettings {
   double tolerance = 1e-12;  ///< of the last step, relative to `length`
   double length = 0;         ///< size of the model; 0: the patch's own extent, estimated at the start
   int max_iterations = 60;
+  std::optional<Eigen::AlignedBox2d> window;  ///< search only this part of the domain; nothing wraps then
+  /// Newton only: end as soon as the convex lower bound f + min over the window of g . d shows that no point
+  /// of the window is nearer than this. The caller vouches that f is convex over the window.
+  double give_up_above = std::numeric_limits<double>::infinity();
 };
 
 enum class FootConvergence : std::uint8_t {
@@ -27,6 +34,7 @@ enum class FootConvergence : std::uint8_t {
   stationary,       ///< a saddle or maximum (the tangent-plane step cannot leave it)
   stalled,          ///< no descent within rounding though the step is not small (a kink of the patch)
   iteration_limit,  ///< still moving
+  given_up,         ///< see give_up_above
   no_number,        ///< the query, the start or the patch is not finite
 };
 

@@ -1,0 +1,228 @@
+#include "core/target/bspline_patch.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace flowcage {
+namespace {
+
+constexpr int max_order = BSplinePatch::max_degree + 1;
+using Row = std::array<double, max_order>;
+
+/// The last knot index k with knots[k] <= t among the spans [first, last].
+int find_span(const std::vector<double>& knots, double t, int first, int last) {
+  const auto begin = knots.begin() + first + 1, end = knots.begin() + last + 1;
+  int span = static_cast<int>(std::upper_bound(begin, end, t) - knots.begin()) - 1;
+  while (span > first && knots[span] == knots[span + 1]) --span;
+  return span;
+}
+
+/// Values, first and second derivatives of the degree + 1 basis functions that are not zero on a span:
+/// Cox and de Boor's recurrence, keeping the rows of degree - 2 and degree - 1 for the derivatives.
+void basis(const std::vector<double>& knots, int degree, int span, double t, int order, Row* rows) {
+  Row& value = rows[0];
+  Row lower{}, lowest{};  // of degree - 1 and degree - 2
+  value[0] = 1;
+  const double* k = knots.data() + span;
+  for (int d = 1; d <= degree; ++d) {
+    if (d == degree - 1) lowest = value;
+    if (d == degree) lower = value;
+    double carry = 0;
+    for (int i = 0; i < d; ++i) {
+      const double left = k[1 + i - d], right = k[1 + i];
+      const double part = value[i] / (right - left);
+      value[i] = carry + (right - t) * part;
+      carry = (t - left) * part;
+    }
+    value[d] = carry;
+  }
+  // N'_{i,p} = p (N_{i,p-1} / (t_{i+p} - t_i) - N_{i+1,p-1} / (t_{i+p+1} - t_{i+1}))
+  const auto differentiate = [&](const Row& from, int d, Row& to) {
+    double carry = 0;
+    for (int i = 0; i < d; ++i) {
+      const double part = d * from[i] / (k[1 + i] - k[1 + i - d]);
+      to[i] = carry - part;
+      carry = part;
+    }
+    to[d] = carry;
+  };
+  if (order >= 1) differentiate(lower, degree, rows[1]);
+  if (order >= 2) {
+    if (degree >= 2) {
+      Row slope{};
+      differentiate(lowest, degree - 1, slope);
+      differentiate(slope, degree, rows[2]);
+    } else {
+      rows[2][0] = rows[2][1] = 0;
+    }
+  }
+}
+
+/// Rows b of weights on the span's poles so that pole b of the Bezier form over [low, high] is their sum: the
+/// blossom at (low, ..., low, high, ..., high).
+void bezier_rows(const std::vector<double>& knots, int degree, int span, const Vec2& low_high,
+                 std::vector<double>& rows) {
+  const int n = degree + 1;
+  rows.assign(static_cast<std::size_t>(n) * n, 0.0);
+  std::vector<double> work(static_cast<std::size_t>(n) * n);
+  const double* k = knots.data() + span;
+  for (int b = 0; b < n; ++b) {
+    std::fill(work.begin(), work.end(), 0.0);
+    for (int i = 0; i < n; ++i) work[i * n + i] = 1;
+    for (int r = 1; r <= degree; ++r) {
+      const double t = r <= degree - b ? low_high.x() : low_high.y();
+      for (int i = degree; i >= r; --i) {
+        const double left = k[i - degree], right = k[1 + i - r];
+        const double alpha = (t - left) / (right - left);
+        for (int c = 0; c < n; ++c) {
+          work[i * n + c] = (1 - alpha) * work[(i - 1) * n + c] + alpha * work[i * n + c];
+        }
+      }
+    }
+    std::copy_n(work.begin() + degree * n, n, rows.begin() + b * n);
+  }
+}
+
+}  // namespace
+
+BSplinePatch::BSplinePatch(std::shared_ptr<const BSplineSurface> surface, const Eigen::AlignedBox2d& window)
+    : surface_(std::move(surface)), window_(window) {
+  const BSplineSurface& s = *surface_;
+  const bool rational = !s.weights.empty();
+  for (std::size_t p = 0; p < s.poles.size(); ++p) {
+    const double w = rational ? s.weights[p] : 1.0;
+    for (int axis = 0; axis < 3; ++axis) net_.push_back(w * s.poles[p][axis]);
+    if (rational) net_.push_back(w);
+  }
+  const auto spans = [](const std::vector<double>& knots, int degree, double low, double high, int& first,
+                        int& last) {
+    first = degree;
+    last = static_cast<int>(knots.size()) - degree - 2;
+    while (first < last && knots[first + 1] <= low) ++first;
+    while (last > first && knots[last] >= high) --last;
+  };
+  spans(s.knots_u, s.degree_u, window.min().x(), window.max().x(), first_span_[0], last_span_[0]);
+  spans(s.knots_v, s.degree_v, window.min().y(), window.max().y(), first_span_[1], last_span_[1]);
+}
+
+PatchPoint BSplinePatch::first(const Vec2& uv) const {
+  const PatchCurvature all = second(uv);
+  return {all.position, all.du, all.dv};
+}
+
+PatchCurvature BSplinePatch::second(const Vec2& uv) const {
+  const BSplineSurface& s = *surface_;
+  const int p = s.degree_u, q = s.degree_v, count_v = s.count_v();
+  const int span_u = find_span(s.knots_u, uv.x(), first_span_[0], last_span_[0]);
+  const int span_v = find_span(s.knots_v, uv.y(), first_span_[1], last_span_[1]);
+  std::array<Row, 3> bu, bv;
+  basis(s.knots_u, p, span_u, uv.x(), 2, bu.data());
+  basis(s.knots_v, q, span_v, uv.y(), 2, bv.data());
+  if (s.weights.empty()) {
+    Vec3 r = Vec3::Zero(), u = r, v = r, uu = r, uv_ = r, vv = r;
+    for (int i = 0; i <= p; ++i) {
+      Vec3 c0 = Vec3::Zero(), c1 = c0, c2 = c0;
+      const double* pole = net_.data() + 3 * ((span_u - p + i) * count_v + span_v - q);
+      for (int j = 0; j <= q; ++j, pole += 3) {
+        const Vec3 x(pole[0], pole[1], pole[2]);
+        c0 += bv[0][j] * x;
+        c1 += bv[1][j] * x;
+        c2 += bv[2][j] * x;
+      }
+      r += bu[0][i] * c0;
+      u += bu[1][i] * c0;
+      uu += bu[2][i] * c0;
+      v += bu[0][i] * c1;
+      uv_ += bu[1][i] * c1;
+      vv += bu[0][i] * c2;
+    }
+    return {r, u, v, uu, uv_, vv};
+  }
+  using Vec4 = Eigen::Vector4d;
+  Vec4 r = Vec4::Zero(), u = r, v = r, uu = r, uv_ = r, vv = r;
+  for (int i = 0; i <= p; ++i) {
+    Vec4 c0 = Vec4::Zero(), c1 = c0, c2 = c0;
+    const double* pole = net_.data() + 4 * ((span_u - p + i) * count_v + span_v - q);
+    for (int j = 0; j <= q; ++j, pole += 4) {
+      const Vec4 x(pole[0], pole[1], pole[2], pole[3]);
+      c0 += bv[0][j] * x;
+      c1 += bv[1][j] * x;
+      c2 += bv[2][j] * x;
+    }
+    r += bu[0][i] * c0;
+    u += bu[1][i] * c0;
+    uu += bu[2][i] * c0;
+    v += bu[0][i] * c1;
+    uv_ += bu[1][i] * c1;
+    vv += bu[0][i] * c2;
+  }
+  // S = A / w; the quotient rule (The NURBS Book, 4.20)
+  PatchCurvature c;
+  const double w = r[3];
+  c.position = r.head<3>() / w;
+  c.du = (u.head<3>() - u[3] * c.position) / w;
+  c.dv = (v.head<3>() - v[3] * c.position) / w;
+  c.duu = (uu.head<3>() - 2 * u[3] * c.du - uu[3] * c.position) / w;
+  c.duv = (uv_.head<3>() - u[3] * c.dv - v[3] * c.du - uv_[3] * c.position) / w;
+  c.dvv = (vv.head<3>() - 2 * v[3] * c.dv - vv[3] * c.position) / w;
+  return c;
+}
+
+std::vector<double> BSplinePatch::breaks(int axis) const {
+  const std::vector<double>& knots = axis == 0 ? surface_->knots_u : surface_->knots_v;
+  std::vector<double> result{window_.min()[axis]};
+  for (const double t : knots) {
+    if (t > result.back() && t < window_.max()[axis]) result.push_back(t);
+  }
+  result.push_back(window_.max()[axis]);
+  return result;
+}
+
+Vec2 BSplinePatch::deviation(const Eigen::AlignedBox2d& box) const {
+  const BSplineSurface& s = *surface_;
+  const int p = s.degree_u, q = s.degree_v, count_v = s.count_v(), dim = s.weights.empty() ? 3 : 4;
+  const Vec2 middle = box.center();
+  const int span_u = find_span(s.knots_u, middle.x(), first_span_[0], last_span_[0]);
+  const int span_v = find_span(s.knots_v, middle.y(), first_span_[1], last_span_[1]);
+  std::vector<double> ru, rv;
+  bezier_rows(s.knots_u, p, span_u, Vec2(box.min().x(), box.max().x()), ru);
+  bezier_rows(s.knots_v, q, span_v, Vec2(box.min().y(), box.max().y()), rv);
+  const int nu = p + 1, nv = q + 1;
+  std::vector<Eigen::Vector4d> half(static_cast<std::size_t>(nu) * nv, Eigen::Vector4d(0, 0, 0, 0)),
+      net(half);
+  for (int i = 0; i < nu; ++i) {
+    for (int j = 0; j < nv; ++j) {
+      Eigen::Vector4d sum(0, 0, 0, 0);
+      for (int k = 0; k < nv; ++k) {
+        const double* pole = net_.data() + dim * ((span_u - p + i) * count_v + span_v - q + k);
+        sum += rv[j * nv + k] * Eigen::Vector4d(pole[0], pole[1], pole[2], dim == 4 ? pole[3] : 1.0);
+      }
+      half[i * nv + j] = sum;
+    }
+  }
+  double smallest = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < nu; ++i) {
+    for (int j = 0; j < nv; ++j) {
+      Eigen::Vector4d sum(0, 0, 0, 0);
+      for (int k = 0; k < nu; ++k) sum += ru[i * nu + k] * half[k * nv + j];
+      net[i * nv + j] = sum;
+      smallest = std::min(smallest, sum[3]);
+    }
+  }
+  // S is a convex combination of the projected poles; a pole differs from the bilinear net's, which lies in
+  // the corners' hull, by at most the bend of its row and that of a side.
+  Vec2 bend = Vec2::Zero();
+  const auto point = [&](int i, int j) { return Vec3(net[i * nv + j].head<3>() / net[i * nv + j][3]); };
+  for (int i = 0; i < nu; ++i) {
+    for (int j = 0; j < nv; ++j) {
+      const double a = static_cast<double>(i) / p, b = static_cast<double>(j) / q;
+      bend.x() = std::max(bend.x(), (point(i, j) - (1 - a) * point(0, j) - a * point(p, j)).norm());
+      bend.y() = std::max(bend.y(), (point(i, j) - (1 - b) * point(i, 0) - b * point(i, q)).norm());
+    }
+  }
+  return smallest > 0 ? bend : Vec2::Constant(std::numeric_limits<double>::infinity());
+}
+
+}  // namespace flowcage
