@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/base/parallel.hpp"
+#include "core/volume/shell_columns.hpp"
 
 namespace flowcage {
 namespace {
@@ -29,61 +30,35 @@ double solve_ratio(double last, Index n, double length) {
   return (low + high) / 2;
 }
 
-/// Every line once: that of a wall point shared by blocks is seen from the first of them.
-std::vector<ShellLine> all_lines(const BlockMesh& mesh) {
-  std::vector<ShellLine> lines;
-  std::vector<char> seen(mesh.points().size(), 0);
-  for (Index b = 0; b < mesh.block_count(); ++b) {
-    const auto n = mesh.dims(b);
-    for (Index j = 0; j <= n[1]; ++j) {
-      for (Index i = 0; i <= n[0]; ++i) {
-        char& mark = seen[mesh.point_number(b, i, j, 0)];
-        if (mark == 0) lines.push_back({b, i, j});
-        mark = 1;
-      }
+/// Length of the wall's edges round the foot of each line (their geometric mean), smoothed over the wall so
+/// that neighbouring lines get similar first cells.
+std::vector<double> wall_cell_sizes(const BlockMesh& mesh, const ShellColumns& columns) {
+  const std::size_t n = columns.lines.size();
+  const auto foot = [&](Index l) -> const Vec3& {
+    const ShellLine& line = columns.lines[l];
+    return mesh.points()[mesh.point_number(line.block, line.i, line.j, 0)];
+  };
+  std::vector<double> sum(n, 0);
+  std::vector<double> count(n, 0);
+  for (const auto& [a, b] : columns.edges) {
+    const double size = std::log(std::max((foot(a) - foot(b)).norm(), 1e-300));
+    for (const Index l : {a, b}) {
+      sum[l] += size;
+      ++count[l];
     }
   }
-  return lines;
-}
-
-/// Length of the wall's edges round each wall point (their geometric mean), smoothed over the wall so that
-/// neighbouring lines get similar first cells. Indexed by point number; 0 off the wall.
-std::vector<double> wall_cell_sizes(const BlockMesh& mesh) {
-  std::vector<std::array<Index, 2>> edges;
-  for (Index b = 0; b < mesh.block_count(); ++b) {
-    const auto n = mesh.dims(b);
-    for (Index j = 0; j <= n[1]; ++j) {
-      for (Index i = 0; i <= n[0]; ++i) {
-        const Index here = mesh.point_number(b, i, j, 0);
-        if (i < n[0]) edges.push_back({here, mesh.point_number(b, i + 1, j, 0)});
-        if (j < n[1]) edges.push_back({here, mesh.point_number(b, i, j + 1, 0)});
-      }
-    }
-  }
-  const auto points = mesh.points();
-  std::vector<double> sum(points.size(), 0);
-  std::vector<double> count(points.size(), 0);
-  for (const auto& [a, b] : edges) {
-    const double size = std::log(std::max((points[a] - points[b]).norm(), 1e-300));
-    for (const Index v : {a, b}) {
-      sum[v] += size;
-      ++count[v];
-    }
-  }
-  std::vector<double> value(points.size(), 0);
-  for (std::size_t v = 0; v < value.size(); ++v) value[v] = count[v] > 0 ? sum[v] / count[v] : 0;
+  std::vector<double> value(n);
+  for (std::size_t l = 0; l < n; ++l) value[l] = sum[l] / count[l];
   constexpr int smoothing_steps = 10;
   for (int step = 0; step < smoothing_steps; ++step) {
     std::fill(sum.begin(), sum.end(), 0.0);
-    for (const auto& [a, b] : edges) {
+    for (const auto& [a, b] : columns.edges) {
       sum[a] += value[b];
       sum[b] += value[a];
     }
-    for (std::size_t v = 0; v < value.size(); ++v) {
-      if (count[v] > 0) value[v] = (value[v] + sum[v] / count[v]) / 2;
-    }
+    for (std::size_t l = 0; l < n; ++l) value[l] = (value[l] + sum[l] / count[l]) / 2;
   }
-  for (std::size_t v = 0; v < value.size(); ++v) value[v] = count[v] > 0 ? std::exp(value[v]) : 0;
+  for (double& v : value) v = std::exp(v);
   return value;
 }
 
@@ -125,17 +100,6 @@ class LineCurve {
   std::vector<double> s_;
   std::vector<Vec3> slopes_;
 };
-
-/// Puts the points of symmetry patches exactly into the plane.
-void flatten_symmetry(BlockMesh& mesh, const Shell& shell) {
-  if (!shell.symmetry) return;
-  for (const BoundaryPatch& patch : mesh.patches()) {
-    if (patch.type != PatchType::symmetry) continue;
-    for (const auto& quad : patch.quads) {
-      for (const Index v : quad) shell.symmetry->flatten(mesh.mutable_points()[v]);
-    }
-  }
-}
 
 }  // namespace
 
@@ -205,17 +169,18 @@ std::vector<double> geometric_cells(double length, Index count, const LineSpacin
 }
 
 SpacingReport respace_lines(BlockMesh& mesh, const Shell& shell, const LineSpacing& spacing) {
-  const Index layers = mesh.chord_divisions()[shell.k_chord];
-  const std::vector<ShellLine> lines = all_lines(mesh);
-  const std::vector<double> sizes = spacing.first_height > 0 ? std::vector<double>{} : wall_cell_sizes(mesh);
+  const ShellColumns columns = shell_columns(mesh, shell);
+  const Index layers = columns.layers;
+  const std::vector<double> sizes =
+      spacing.first_height > 0 ? std::vector<double>{} : wall_cell_sizes(mesh, columns);
   std::vector<Vec3>& points = mesh.mutable_points();
   const SpacingReport none{std::numeric_limits<double>::infinity(), 0, 1};
   const SpacingReport report = parallel_reduce(
-      static_cast<Offset>(lines.size()), 64, none,
+      static_cast<Offset>(columns.lines.size()), 64, none,
       [&](Offset begin, Offset end) {
         SpacingReport part = none;
         for (Offset n = begin; n < end; ++n) {
-          const auto& [block, i, j] = lines[n];
+          const auto& [block, i, j] = columns.lines[n];
           std::vector<Index> at(layers + 1);
           std::vector<Vec3> line(layers + 1);
           for (Index k = 0; k <= layers; ++k) {
@@ -227,7 +192,7 @@ SpacingReport respace_lines(BlockMesh& mesh, const Shell& shell, const LineSpaci
           if (spacing.first_height > 0) {
             local.max_growth = 0;  // the asked height counts
           } else {
-            local.first_height = sizes[at[0]];
+            local.first_height = sizes[n];
             local.layers = 0;
           }
           const std::vector<double> cells = geometric_cells(curve.length(), layers, local);

@@ -6,6 +6,7 @@
 #include "core/quality/jacobian.hpp"
 #include "core/subdivide/refine.hpp"
 #include "core/volume/refine_volume.hpp"
+#include "core/volume/wall_normals.hpp"
 #include "tests/blocks/sample_cages.hpp"
 #include "tests/catch.hpp"
 
@@ -195,4 +196,63 @@ TEST_CASE("volumes between bodies and their grown far fields have no inverted ce
       CHECK(min_scaled_jacobian(r.mesh) > 0);
     }
   }
+}
+
+TEST_CASE("lines are turned to the wall's normals without harm to any cell") {
+  for (const double plane : {0.0, 0.1}) {
+    Cage wing = sample::wing_cage();
+    for (Vec3& p : wing.points) p.y() += plane;
+    Refined r(build_farfield_shell(wing, {OuterShape::Kind::sphere, 20}, Box3()), 2, 4);
+    place_boundary(r.mesh, r.shell, r.level, {r.wall, outer_points(r.shell, 2, true)});
+    respace_lines(r.mesh, r.shell, {});
+    const BlockMesh before = r.mesh;
+    const NormalReport report = turn_lines_to_wall(r.mesh, r.shell, {});
+    CHECK(report.mean_cosine_before < 0.8);
+    CHECK(report.mean_cosine > 0.9);
+    CHECK(report.min_cosine > 0);
+    CHECK(report.reach > 0);
+    Offset better = 0;
+    Offset worse = 0;
+    visit_cells(r.mesh, 0, r.mesh.cell_count(), [&](Offset, const HexPoints& cell) {
+      const auto corners = [&](const BlockMesh& mesh) {
+        const auto jacobians = corner_jacobians(corners_of(mesh, cell));
+        return *std::min_element(jacobians.begin(), jacobians.end());
+      };
+      CHECK(corners(r.mesh) > 0);
+      const double was = scaled_jacobian(corners_of(before, cell));
+      const double is = scaled_jacobian(corners_of(r.mesh, cell));
+      REQUIRE(is >= std::min(0.3, 0.9 * was) - 1e-6);
+      (is > was ? better : worse) += 1;
+    });
+    CHECK(better > worse);
+    for (const BoundaryPatch& patch : r.mesh.patches()) {
+      for (const auto& quad : patch.quads) {
+        for (const Index v : quad) {
+          if (patch.type == PatchType::symmetry) {
+            REQUIRE(r.mesh.points()[v].y() == plane);
+          } else {
+            REQUIRE(r.mesh.points()[v] == before.points()[v]);
+          }
+        }
+      }
+    }
+    set_thread_count(1);
+    BlockMesh again = before;
+    turn_lines_to_wall(again, r.shell, {});
+    set_thread_count(0);
+    CHECK(std::equal(again.points().begin(), again.points().end(), r.mesh.points().begin()));
+  }
+}
+
+TEST_CASE("lines that are normal to the wall stay") {
+  Refined r(build_shell(box_cage({1, 1, 1}), box_cage({6, 6, 6})), 3, 2);
+  for (auto* side : {&r.wall, &r.outer}) {
+    for (Vec3& p : *side) p *= (side == &r.wall ? 1 : 6) / p.norm();
+  }
+  place_boundary(r.mesh, r.shell, r.level, {r.wall, r.outer});
+  for (Vec3& p : r.mesh.mutable_points()) p = p.normalized() * std::clamp(p.norm(), 1.0, 6.0);
+  const NormalReport report = turn_lines_to_wall(r.mesh, r.shell, {});
+  CHECK(report.min_cosine_before > 0.97);
+  CHECK(report.min_cosine >= report.min_cosine_before);
+  CHECK(report.mean_weight == Approx(1));
 }

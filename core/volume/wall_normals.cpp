@@ -1,0 +1,229 @@
+#include "core/volume/wall_normals.hpp"
+
+#include <cmath>
+
+#include "core/base/parallel.hpp"
+#include "core/mesh/hex_numbering.hpp"
+#include "core/volume/shell_columns.hpp"
+
+namespace flowcage {
+namespace {
+
+/// Scaled Jacobian at the worst corner of the hex over a wall face between layers k and k + 1.
+double worst_corner(const std::array<Vec3, 8>& p) {
+  double worst = 1;
+  for (int c = 0; c < 8; ++c) {
+    const auto [i, j, k] = hex_corner_ijk[c];
+    Vec3 a = p[hex_corner_at(1 - i, j, k)] - p[c];
+    Vec3 b = p[hex_corner_at(i, 1 - j, k)] - p[c];
+    Vec3 d = p[hex_corner_at(i, j, 1 - k)] - p[c];
+    const double sign = ((i + j + k) % 2 == 0 ? 1 : -1) / (a.norm() * b.norm() * d.norm());
+    const double value = sign * a.cross(b).dot(d);
+    worst = std::min(worst, std::isfinite(value) ? value : -1);
+  }
+  return worst;
+}
+
+/// The direction with the largest least cosine to all of `normals`: steps toward the worst, ever shorter
+/// (Badoiu & Clarkson's scheme for the smallest enclosing ball, on the sphere).
+Vec3 middle_of(const std::vector<Vec3>& normals) {
+  Vec3 d = Vec3::Zero();
+  for (const Vec3& n : normals) d += n;
+  if (d.norm() < 1e-12) return normals.front();
+  d.normalize();
+  for (int step = 2; step < 60; ++step) {
+    const Vec3* worst = &normals.front();
+    for (const Vec3& n : normals) {
+      if (n.dot(d) < worst->dot(d)) worst = &n;
+    }
+    d = (d + (*worst - d) / step).normalized();
+  }
+  return d;
+}
+
+class LineTurner {
+ public:
+  LineTurner(BlockMesh& mesh, const Shell& shell, const NormalSettings& settings)
+      : mesh_(mesh), shell_(shell), settings_(settings), columns_(shell_columns(mesh, shell)) {
+    const auto n = static_cast<Offset>(columns_.lines.size());
+    start_.assign(mesh.points().begin(), mesh.points().end());
+    turn_.assign(n, Vec3::Zero());
+    normal_.assign(n, Vec3::Zero());
+    Box3 box;
+    for (const ShellLine& line : columns_.lines) box.extend(start_[point(line, 0)]);
+    diagonal_ = box.diagonal().norm();
+    find_turns();
+  }
+
+  NormalReport run() {
+    NormalReport report;
+    std::tie(report.min_cosine_before, report.mean_cosine_before) = cosines();
+    const std::vector<float> before = cell_values();
+    std::vector<double> weight(columns_.lines.size(), 0);
+    for (double reach = settings_.reach; reach > settings_.reach / 16 && report.reach == 0; reach /= 2) {
+      reach_ = reach * diagonal_;
+      if (settle(before, weight, report.passes)) report.reach = reach;
+    }
+    if (report.reach == 0) {  // the lines as they were
+      std::fill(weight.begin(), weight.end(), 0.0);
+      place(weight);
+    }
+    flatten_symmetry(mesh_, shell_);
+    for (const double w : weight) report.mean_weight += w / static_cast<double>(weight.size());
+    std::tie(report.min_cosine, report.mean_cosine) = cosines();
+    return report;
+  }
+
+ private:
+  /// Cuts weights back until no cell loses too much.
+  bool settle(const std::vector<float>& before, std::vector<double>& weight, int& passes) {
+    std::vector<double> cap(columns_.lines.size(), 1);
+    weight = cap;
+    for (int pass = 0; pass < settings_.max_passes; ++pass, ++passes) {
+      place(weight);
+      const std::vector<char> bad = bad_lines(before);
+      if (std::find(bad.begin(), bad.end(), 1) == bad.end()) return true;
+      // A third of the weight a pass, in the second half all of it.
+      const double cut = 2 * pass < settings_.max_passes ? 0.67 : 0;
+      for (std::size_t l = 0; l < bad.size(); ++l) {
+        if (bad[l] != 0) cap[l] = cut * weight[l];
+      }
+      weight = smoothed(cap);
+    }
+    return false;
+  }
+
+  Index point(const ShellLine& line, Index k) const {
+    return mesh_.point_number(line.block, line.i, line.j, k);
+  }
+
+  void find_turns() {
+    const auto n = static_cast<Index>(columns_.lines.size());
+    std::vector<std::vector<Vec3>> normals(n);
+    for (const auto& face : columns_.faces) {
+      std::array<Vec3, 4> p;
+      for (int c = 0; c < 4; ++c) p[c] = start_[point(columns_.lines[face[c]], 0)];
+      for (int c = 0; c < 4; ++c) {
+        const Vec3 normal = (p[(c + 1) % 4] - p[c]).cross(p[(c + 3) % 4] - p[c]);
+        if (normal.norm() > 0) normals[face[c]].push_back(normal.normalized());
+      }
+    }
+    for (Index l = 0; l < n; ++l) {
+      if (normals[l].empty()) continue;
+      const ShellLine& line = columns_.lines[l];
+      const Vec3 along = start_[point(line, 1)] - start_[point(line, 0)];
+      Vec3 normal = middle_of(normals[l]);
+      if (shell_.symmetry && std::abs(shell_.symmetry->distance(start_[point(line, 0)])) == 0) {
+        normal -= shell_.symmetry->normal * shell_.symmetry->normal.dot(normal);
+        if (normal.norm() < 0.1) continue;
+        normal.normalize();
+      }
+      normal_[l] = normal;
+      if (along.norm() > 0) turn_[l] = normal - along.normalized();
+    }
+  }
+
+  void place(const std::vector<double>& weight) {
+    std::vector<Vec3>& points = mesh_.mutable_points();
+    parallel_for(static_cast<Offset>(columns_.lines.size()), 256, [&](Offset begin, Offset end) {
+      for (Offset l = begin; l < end; ++l) {
+        const ShellLine& line = columns_.lines[l];
+        double length = 0;
+        for (Index k = 1; k <= columns_.layers; ++k)
+          length += (start_[point(line, k)] - start_[point(line, k - 1)]).norm();
+        double r = 0;
+        for (Index k = 1; k < columns_.layers; ++k) {
+          const Index at = point(line, k);
+          r += (start_[at] - start_[point(line, k - 1)]).norm();
+          const double ratio = r / reach_;
+          points[at] = start_[at] + weight[l] * r / (1 + ratio * ratio) * (1 - r / length) * turn_[l];
+        }
+      }
+    });
+  }
+
+  /// Of each cell, in the order layer by layer of the wall's faces.
+  std::vector<float> cell_values() const {
+    const auto faces = static_cast<Offset>(columns_.faces.size());
+    std::vector<float> values(faces * columns_.layers);
+    const auto points = mesh_.points();
+    parallel_for(faces, 64, [&](Offset begin, Offset end) {
+      for (Offset f = begin; f < end; ++f) {
+        std::array<Vec3, 8> p;
+        for (Index k = 0; k <= columns_.layers; ++k) {
+          for (int c = 0; c < 4; ++c) {
+            p[c] = p[c + 4];
+            p[c + 4] = points[point(columns_.lines[columns_.faces[f][c]], k)];
+          }
+          if (k > 0) values[f + faces * (k - 1)] = static_cast<float>(worst_corner(p));
+        }
+      }
+    });
+    return values;
+  }
+
+  std::vector<char> bad_lines(const std::vector<float>& before) const {
+    const std::vector<float> now = cell_values();
+    const std::size_t faces = columns_.faces.size();
+    std::vector<char> bad(columns_.lines.size(), 0);
+    for (std::size_t n = 0; n < now.size(); ++n) {
+      // An inverted cell may stay as it is, not get worse.
+      const double was = before[n];
+      const double least = std::min(settings_.good_enough, was > 0 ? settings_.keep * was : was);
+      if (now[n] >= least) continue;
+      for (const Index l : columns_.faces[n % faces]) bad[l] = 1;
+    }
+    return bad;
+  }
+
+  /// Weights below the caps that change gently from line to line.
+  std::vector<double> smoothed(const std::vector<double>& cap) const {
+    std::vector<double> weight = cap;
+    std::vector<double> sum(cap.size());
+    std::vector<double> count(cap.size());
+    for (int step = 0; step < 5; ++step) {
+      for (std::size_t l = 0; l < cap.size(); ++l) {
+        sum[l] = weight[l];
+        count[l] = 1;
+      }
+      for (const auto& [a, b] : columns_.edges) {
+        sum[a] += weight[b];
+        sum[b] += weight[a];
+        ++count[a];
+        ++count[b];
+      }
+      for (std::size_t l = 0; l < cap.size(); ++l) weight[l] = std::min(cap[l], sum[l] / count[l]);
+    }
+    return weight;
+  }
+
+  std::pair<double, double> cosines() const {
+    double least = 1;
+    double sum = 0;
+    for (std::size_t l = 0; l < columns_.lines.size(); ++l) {
+      const ShellLine& line = columns_.lines[l];
+      const Vec3 along = mesh_.points()[point(line, 1)] - mesh_.points()[point(line, 0)];
+      const double cosine = along.normalized().dot(normal_[l]);
+      least = std::min(least, cosine);
+      sum += cosine;
+    }
+    return {least, sum / static_cast<double>(columns_.lines.size())};
+  }
+
+  BlockMesh& mesh_;
+  const Shell& shell_;
+  const NormalSettings& settings_;
+  ShellColumns columns_;
+  double diagonal_ = 1, reach_ = 1;
+  std::vector<Vec3> start_;  ///< all points as they were
+  std::vector<Vec3> turn_;   ///< #lines, n - t
+  std::vector<Vec3> normal_;
+};
+
+}  // namespace
+
+NormalReport turn_lines_to_wall(BlockMesh& mesh, const Shell& shell, const NormalSettings& settings) {
+  return LineTurner(mesh, shell, settings).run();
+}
+
+}  // namespace flowcage
