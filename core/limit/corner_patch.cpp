@@ -281,7 +281,7 @@ class Refinement {
   }
   RowVectorXd smooth_vertex(int vertex, const std::array<int, 4>& edges,
                             const std::array<RowVectorXd, 4>& faces) const {
-    const VertexMask mask = vertex_mask(0, std::array<double, 4>{});
+    const VertexMask mask = smooth_vertex_mask(4);
     RowVectorXd row = mask.face * (faces[0] + faces[1] + faces[2] + faces[3]);
     row[vertex] += mask.vertex;
     for (const int edge : edges) row[edge] += mask.edge;

@@ -119,7 +119,8 @@ struct LimitEvaluator::Tables {
 
   QuadPlace find(const LimitLocation& at) const {
     assert(at.face >= 0 && at.face < levels.front().face_count());
-    QuadPlace place{at.face, std::clamp(at.u, 0.0, 1.0), std::clamp(at.v, 0.0, 1.0)};
+    const auto inside = [](double x) { return x > 0 ? std::min(x, 1.0) : 0.0; };
+    QuadPlace place{at.face, inside(at.u), inside(at.v)};
     std::size_t level = 0;
     if (levels.front().face_vertices.row_size(at.face) != 4) {
       place.face = static_cast<Index>(levels.front().face_vertices.offsets[at.face]) + at.corner;

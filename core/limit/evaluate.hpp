@@ -41,8 +41,8 @@ class LimitEvaluator {
   LimitEvaluator(LimitEvaluator&&) noexcept;
   LimitEvaluator& operator=(LimitEvaluator&&) noexcept;
 
-  /// Any thread. u and v outside of [0,1] are moved to its ends. Preconditions: points.size() ==
-  /// level.vertex_count(); location.face (and corner, on n-gons) in range; u and v are numbers.
+  /// Any thread. u and v outside of [0,1] are moved to its ends (NaN to 0). Preconditions: points.size() ==
+  /// level.vertex_count(); location.face (and corner, on n-gons) in range.
   LimitPoint evaluate(std::span<const Vec3> points, const LimitLocation& at) const;
 
   /// `evaluate` as rows; parallel over the locations.

@@ -11,7 +11,7 @@ namespace flowcage {
 /// and the opposite corners F[i] of its faces, counter-clockwise, F[i] between E[i] and E[i + 1].
 ///
 /// A limit mask is a left eigenvector of the ring's subdivision matrix: for eigenvalue 1 the position, for
-/// the next two the tangents (Halstead, Kass & DeRose 1993; Stam 1998). Derivations: docs/theory.
+/// the next two the tangents (Halstead, Kass & DeRose 1993; Stam 1998).
 
 /// A combination of ring points: vertex P + sum edges[i] E[i] + sum faces[i] F[i].
 struct RingWeights {

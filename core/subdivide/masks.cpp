@@ -30,10 +30,7 @@ VertexMask steady_mask(VertexRule rule, std::span<const double> edge_sharpness, 
     }
     return mask;
   }
-  const auto n = static_cast<double>(edge_sharpness.size());
-  mask.vertex = (n - 2) / n;
-  mask.edge = mask.face = 1 / (n * n);
-  return mask;
+  return smooth_vertex_mask(static_cast<int>(edge_sharpness.size()));
 }
 
 }  // namespace
@@ -46,6 +43,14 @@ VertexRule vertex_rule(double vertex_sharpness, std::span<const double> edge_sha
   const auto sharp =
       std::count_if(edge_sharpness.begin(), edge_sharpness.end(), [](double s) { return s > 0; });
   return rule_of(vertex_sharpness > 0, static_cast<int>(sharp));
+}
+
+VertexMask smooth_vertex_mask(int valence) {
+  const double n = valence;
+  VertexMask mask;
+  mask.vertex = (n - 2) / n;
+  mask.edge = mask.face = 1 / (n * n);
+  return mask;
 }
 
 VertexMask vertex_mask(double vertex_sharpness, std::span<const double> edge_sharpness) {

@@ -34,6 +34,8 @@ struct VertexMask {
 };
 /// Precondition: a vertex with a boundary has its two boundary edges infinitely sharp.
 VertexMask vertex_mask(double vertex_sharpness, std::span<const double> edge_sharpness);
+/// The same without any sharpness.
+VertexMask smooth_vertex_mask(int valence);
 
 /// Edge point = end (A + B) + face (F_left + F_right).
 struct EdgeMask {

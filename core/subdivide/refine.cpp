@@ -190,17 +190,23 @@ void make_child_rings(const SurfaceLevel& parent, SurfaceLevel& child) {
   });
 }
 
-// Sharpness of the edges round v, gathered; a crowded ring is met once in a while only.
-class RingSharpness {
+// Masks of a level's vertices; nearly all of them are smooth.
+class VertexMasks {
  public:
-  std::span<const double> of(const SurfaceLevel& level, Index v) {
-    values_.clear();
-    for (const Index e : level.vertex_edges[v]) values_.push_back(level.edge_sharpness[e]);
-    return values_;
+  explicit VertexMasks(const SurfaceLevel& level) : level_(level) {}
+  VertexMask of(Index v) {
+    const auto edges = level_.vertex_edges[v];
+    bool sharp = level_.vertex_sharpness[v] > 0;
+    for (const Index e : edges) sharp = sharp || level_.edge_sharpness[e] > 0;
+    if (!sharp) return smooth_vertex_mask(static_cast<int>(edges.size()));
+    sharpness_.clear();
+    for (const Index e : edges) sharpness_.push_back(level_.edge_sharpness[e]);
+    return vertex_mask(level_.vertex_sharpness[v], sharpness_);
   }
 
  private:
-  std::vector<double> values_;
+  const SurfaceLevel& level_;
+  std::vector<double> sharpness_;
 };
 
 std::vector<Vec3> refine_once(const SurfaceLevel& level, const std::vector<Vec3>& points) {
@@ -227,9 +233,9 @@ std::vector<Vec3> refine_once(const SurfaceLevel& level, const std::vector<Vec3>
     }
   });
   parallel_for(n.V, loop_grain, [&](Offset begin, Offset end) {
-    RingSharpness sharpness;
+    VertexMasks masks(level);
     for (Index v = static_cast<Index>(begin); v < end; ++v) {
-      const VertexMask mask = vertex_mask(level.vertex_sharpness[v], sharpness.of(level, v));
+      const VertexMask mask = masks.of(v);
       const auto edges = level.vertex_edges[v];
       const auto other_end = [&](Index e) -> const Vec3& {
         return points[level.edge_vertices[e][1 - end_at(level, e, v)]];
@@ -284,8 +290,7 @@ StencilTable refinement_stencils(const SurfaceLevel& parent) {
       if (mask.face != 0) add_face(out, f, mask.face);
     }
   };
-  const auto add_vertex_point = [&](StencilWriter& out, Index v, RingSharpness& sharpness) {
-    const VertexMask mask = vertex_mask(parent.vertex_sharpness[v], sharpness.of(parent, v));
+  const auto add_vertex_point = [&](StencilWriter& out, Index v, const VertexMask& mask) {
     const auto edges = parent.vertex_edges[v];
     const auto add_other_end = [&](Index e, double weight) {
       out.add(parent.edge_vertices[e][1 - end_at(parent, e, v)], weight);
@@ -302,10 +307,10 @@ StencilTable refinement_stencils(const SurfaceLevel& parent) {
     }
   };
   return build_stencils(Offset{n.V} + n.E + n.F, n.V, [&](Index begin, Index end, StencilWriter& out) {
-    RingSharpness sharpness;
+    VertexMasks masks(parent);
     for (Index child = begin; child < end; ++child) {
       if (child < n.V) {
-        add_vertex_point(out, child, sharpness);
+        add_vertex_point(out, child, masks.of(child));
       } else if (child < n.V + n.E) {
         add_edge_point(out, child - n.V);
       } else {

@@ -224,6 +224,41 @@ TEST_CASE("evaluation stencils are convex combinations and equal the evaluator")
   }
 }
 
+TEST_CASE(
+    "oversampled rows are the limits at vertices, edges' midpoints and faces' midpoints, with normals") {
+  for (const auto& [name, cage] : zoo::all()) {
+    INFO(name);
+    const SurfaceLevel level = build_surface_level(cage);
+    const LimitEvaluator evaluator(level);
+    const LimitSamples samples = oversampled_limit_stencils(level);
+    const Index V = level.vertex_count(), E = level.edge_count(), F = level.face_count();
+    REQUIRE(samples.position.size() == V + E + F);
+    REQUIRE(samples.tangent_u.size() == V + E + F);
+    REQUIRE(samples.tangent_v.size() == V + E + F);
+    const std::vector<Vec3> position = apply_stencils(samples.position, cage.points);
+    const std::vector<Vec3> u = apply_stencils(samples.tangent_u, cage.points);
+    const std::vector<Vec3> v = apply_stencils(samples.tangent_v, cage.points);
+    const auto check = [&](Index sample, const LimitLocation& at, bool smooth) {
+      const LimitPoint point = evaluator.evaluate(cage.points, at);
+      CHECK((position[sample] - point.position).norm() < 1e-13);
+      const Vec3 normal = point.du.cross(point.dv);
+      if (!smooth || normal.norm() < 1e-3) return;
+      CHECK((u[sample].cross(v[sample]).normalized() - normal.normalized()).norm() < 1e-9);
+    };
+    for (Index f = 0; f < F; ++f) {
+      const bool quad = level.face_vertices.row_size(f) == 4;
+      check(V + E + f, quad ? LimitLocation{f, 0.5, 0.5} : LimitLocation{f, 1, 1, 0}, true);
+      for (Index i = 0; i < level.face_vertices.row_size(f); ++i) {
+        const std::array<std::array<double, 2>, 4> middle{{{0.5, 0}, {1, 0.5}, {0.5, 1}, {0, 0.5}}};
+        const Index e = level.face_edges[f][i];
+        check(level.face_vertices[f][i], corner_location(level, f, i), false);
+        check(V + e, quad ? LimitLocation{f, middle[i][0], middle[i][1]} : LimitLocation{f, 1, 0, i},
+              level.edge_sharpness[e] < infinitely_sharp);
+      }
+    }
+  }
+}
+
 TEST_CASE("normals are on the side from which faces are counter-clockwise") {
   // Flat cages with the faces counter-clockwise seen from +z, all kinds of vertices.
   zoo::Random random(3);
