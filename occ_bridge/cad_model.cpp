@@ -16,25 +16,30 @@ namespace {
 
 CadModel finished(occ::PreparedModel prepared, const CadReadSettings& settings, Progress& progress) {
   auto data = occ::build_model(std::move(prepared), settings, progress);
+  data->projector.emplace(data->faces);
+  const std::vector<std::string>& notes = data->projector->notes();
+  data->summary.warnings.insert(data->summary.warnings.end(), notes.begin(), notes.end());
   for (const std::string& warning : data->summary.warnings) progress.warn(warning);
   return CadModel(std::move(data));
 }
 
 }  // namespace
 
-void CadModel::closest_points(std::span<const Vec3>, std::span<const SurfacePoint>,
-                              std::span<SurfacePoint>) const {
-  throw Error(ErrorKind::internal, "closest points are not there yet", "wait for the face projector");
+void CadModel::closest_points(std::span<const Vec3> queries, std::span<const SurfacePoint> hints,
+                              std::span<SurfacePoint> results) const {
+  data_->projector->closest_points(queries, hints, results);
 }
 
-void CadModel::closest_compatible(std::span<const Vec3>, std::span<const Vec3>, double, double,
-                                  std::span<SurfacePoint>) const {
-  throw Error(ErrorKind::internal, "closest points are not there yet", "wait for the face projector");
+void CadModel::closest_compatible(std::span<const Vec3> queries, std::span<const Vec3> normals,
+                                  double min_cosine, double max_distance,
+                                  std::span<SurfacePoint> results) const {
+  data_->projector->closest_compatible(queries, normals, min_cosine, max_distance, results);
 }
 
-void CadModel::intersect_lines(std::span<const Vec3>, std::span<const Vec3>, double, double,
-                               std::span<SurfacePoint>) const {
-  throw Error(ErrorKind::internal, "closest points are not there yet", "wait for the face projector");
+void CadModel::intersect_lines(std::span<const Vec3> queries, std::span<const Vec3> directions,
+                               double min_cosine, double max_distance,
+                               std::span<SurfacePoint> results) const {
+  data_->projector->intersect_lines(queries, directions, min_cosine, max_distance, results);
 }
 
 const FeatureGraph& CadModel::features() const {

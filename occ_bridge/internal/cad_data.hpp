@@ -1,10 +1,12 @@
 #pragma once
 #include <TopoDS_Face.hxx>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "occ_bridge/cad_model.hpp"
 #include "occ_bridge/internal/chain_curve.hpp"
+#include "occ_bridge/internal/face_projector.hpp"
 
 namespace flowcage {
 
@@ -16,6 +18,7 @@ struct CadModel::Data {
   Box3 bounds;
   FeatureGraph features;
   std::vector<occ::ChainCurve> curves;
+  std::optional<FaceProjector> projector;  ///< over `faces`
   CadSummary summary;
 };
 
