@@ -266,3 +266,29 @@ TEST_CASE("a cancelled reading ends with Error(interrupted)") {
   const Error error = error_of([&] { cad_model_of(box, {}, impatient); });
   CHECK(error.kind() == ErrorKind::interrupted);
 }
+
+TEST_CASE("closest points of a read model: a small cylinder's distances are known") {
+  const Scratch scratch;
+  const double r = 2e-5, h = 5e-5;  // metres: the kernel's absolute tolerances must not show
+  const std::string file = scratch.file("pin.step");
+  write_cad(make_cylinder(r, h), file, "mm");
+  const CadModel pin = read_one(file);
+  CHECK(pin.diagonal() == Approx(std::hypot(2 * r, 2 * r, h)).epsilon(1e-6));
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> in(-2, 2);
+  std::vector<Vec3> queries;
+  for (int i = 0; i < 500; ++i) queries.push_back(r * Vec3(in(random), in(random), 2 * in(random)));
+  std::vector<SurfacePoint> found(queries.size());
+  pin.closest_points(queries, {}, found);
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    const Vec3& q = queries[i];
+    const double radial = q.head<2>().norm() - r, axial = std::abs(q.z() - h / 2) - h / 2;
+    const double outside = std::hypot(std::max(radial, 0.0), std::max(axial, 0.0));
+    const double exact = outside > 0 ? outside : -std::max(radial, axial);
+    CHECK(found[i].distance == Approx(exact).margin(1e-9 * r));
+    if (found[i].status == FootStatus::interior) {
+      const double side = outside > 0 ? 1 : -1;  // the normal points out of the body
+      CHECK((q - found[i].position).dot(found[i].normal) == Approx(side * exact).margin(1e-9 * r));
+    }
+  }
+}
