@@ -25,9 +25,12 @@ int run(const Request& request, const Interruption& interruption) {
       return run_subdivide(options, progress);
     case Command::inspect:
       return run_inspect(options, progress);
-    case Command::mesh:
-    case Command::surface:
     case Command::quality:
+      return run_quality(options, progress);
+    case Command::surface:
+      return run_surface(options, progress);
+    case Command::mesh:
+      return run_mesh(options, progress);
     case Command::cage:
     case Command::convert:
       break;

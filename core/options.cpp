@@ -240,15 +240,18 @@ std::vector<OptionSpec> make_table() {
               &Options::limit)});
   group(
       "Wall spacing",
-      {number(in_unit(later(without(row("first-height", "H", mesh, "height of the first cell off the wall"),
-                                    "uniform")),
+      {number(in_unit(without(row("first-height", "H", mesh, "height of the first cell off the wall"),
+                              "the size of the wall's cells"),
                       "output units"),
               &Options::first_height, {0, infinite, true}),
-       number(later(without(row("growth", "R", mesh, "ratio of neighbouring heights, after two equal cells"),
-                            "uniform")),
+       number(without(row("growth", "R", mesh,
+                          "ratio of neighbouring heights in the layers, after two equal cells"),
+                      "1.2"),
               &Options::growth, {1, 10}),
-       number(later(without(row("layers", "N", mesh, "layers that grow from the wall"), "uniform")),
-              &Options::layers, {1, 1000}),
+       number(
+           without(row("layers", "N", mesh, "layers of that growth; behind them the rest is filled evenly"),
+                   "growth follows from the distance"),
+           &Options::layers, {1, 1000}),
        number(later(without(
                   row("yplus", "Y", mesh, "with --reynolds and --length: computes the first height"), "off")),
               &Options::yplus, {0, 1e6, true}),

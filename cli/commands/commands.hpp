@@ -1,6 +1,7 @@
 #pragma once
 #include "core/base/progress.hpp"
 #include "core/options.hpp"
+#include "core/quality/quality_report.hpp"
 
 namespace flowcage {
 
@@ -8,5 +9,11 @@ namespace flowcage {
 /// throws Error otherwise.
 int run_subdivide(const Options& options, Progress& progress);
 int run_inspect(const Options& options, Progress& progress);
+int run_quality(const Options& options, Progress& progress);
+int run_surface(const Options& options, Progress& progress);
+int run_mesh(const Options& options, Progress& progress);
+
+/// The quality table as text for stdout.
+std::string quality_text(const QualityReport& report);
 
 }  // namespace flowcage

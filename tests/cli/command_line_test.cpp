@@ -113,7 +113,7 @@ TEST_CASE("wrong usage: exit 2 and what was meant") {
 
 TEST_CASE("options and commands of later versions are refused, not ignored") {
   for (const Strings& option :
-       {Strings{"--config", "x.toml"}, Strings{"--report", "x.html"}, Strings{"--first-height", "1e-3"},
+       {Strings{"--config", "x.toml"}, Strings{"--report", "x.html"}, Strings{"--yplus", "1"},
         Strings{"--blocks", "swept"}, Strings{"--farfield", "bullet"}, Strings{"--flow", "internal"},
         Strings{"--cage", "auto"}}) {
     const ProgramRun run = run_flowcage({"mesh", "a.step", option[0], option[1], "-o", "x"});
@@ -249,4 +249,20 @@ TEST_CASE("more than the machine holds is refused or reported, never a crash") {
   check_error(
       run_flowcage({"subdivide", "fine.obj", "--levels", "10", "-o", "x.obj"}, {.folder = folder.path()}), 2,
       "10 levels of fine.obj make", "fewer levels");
+}
+
+TEST_CASE("inspect and quality: unusable input") {
+  const WorkFolder folder;
+  folder.put("text.step", "this is no STEP file\n");
+  folder.put("cube.obj", cube_text);
+  folder.put("text.vtu", "this is no mesh\n");
+  std::filesystem::create_directory(folder.path() / "case");
+  const RunSettings in{.folder = folder.path()};
+  for (const char* cad : {"missing.step", "text.step", "cube.obj", "case", "/dev/null"}) {
+    check_error(run_flowcage({"inspect", cad, "--json", "x.json"}, in), 3, cad, "");
+  }
+  for (const char* mesh : {"missing.vtu", "missing", "text.vtu", "case", "cube.obj"}) {
+    check_error(run_flowcage({"quality", mesh, "--json", "x.json"}, in), 3, mesh, "");
+  }
+  CHECK(folder.entries() == Strings{"case", "cube.obj", "text.step", "text.vtu"});
 }

@@ -1,0 +1,202 @@
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+
+#include "cli/cad_json.hpp"
+#include "cli/commands/commands.hpp"
+#include "cli/fit_job.hpp"
+#include "core/base/atomic_file.hpp"
+#include "core/blocks/symmetry_plane.hpp"
+#include "core/export/write_polymesh.hpp"
+#include "core/export/write_vtu.hpp"
+#include "core/mesh/hex_adjacency.hpp"
+#include "core/quality/jacobian.hpp"
+
+namespace flowcage {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr int most_levels = 4;
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// One -o: a VTU file or an OpenFOAM case folder.
+struct Output {
+  std::unique_ptr<AtomicFile> vtu;
+  std::unique_ptr<AtomicFolder> poly_mesh;
+  fs::path case_folder;
+  std::string foam_file;
+};
+
+enum class Format { vtu, foam_file, folder };
+
+Format format_of(const std::string& name) {
+  const std::string extension = fs::path(name).extension().string();
+  if (extension == ".vtu") return Format::vtu;
+  if (extension == ".foam") return Format::foam_file;
+  if (extension.empty() || fs::is_directory(name)) return Format::folder;
+  for (const char* later : {".cgns", ".su2", ".msh", ".vtm", ".xyz", ".p3d"}) {
+    if (extension == later) {
+      throw Error(ErrorKind::usage,
+                  fmt::format("-o: {}: the format {} is not in this version", name, extension),
+                  "give X.vtu, X.foam or a folder");
+    }
+  }
+  throw Error(ErrorKind::usage, fmt::format("-o: {}: unknown mesh format {}", name, extension),
+              "give X.vtu, X.foam or a folder (with / at its end)");
+}
+
+Output open_output(const std::string& name) {
+  Output output;
+  const Format format = format_of(name);
+  if (format == Format::vtu) {
+    output.vtu = std::make_unique<AtomicFile>(name);
+    return output;
+  }
+  const fs::path path(name);
+  if (format == Format::foam_file) {
+    output.case_folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+    output.foam_file = path.filename().string();
+  } else {
+    output.case_folder = path;
+    output.foam_file = "case.foam";
+  }
+  output.poly_mesh =
+      std::make_unique<AtomicFolder>(output.case_folder, "constant/polyMesh", polymesh_entries());
+  return output;
+}
+
+/// The cage's open boundary already says where the half model is cut; --symmetry must say the same.
+void check_symmetry(const Options& options, const Cage& cage) {
+  if (!options.symmetry) return;
+  const char axis = "xyz"[options.symmetry->axis];
+  const double value = options.symmetry->value * metres_per_unit(options.unit);
+  const std::optional<SymmetryPlane> plane =
+      find_symmetry_plane(build_surface_level(cage), cage.points, cage.source);
+  if (!plane) {
+    throw input_error(cage.source, 0,
+                      fmt::format("the cage is closed, but --symmetry asks for a half model cut at {}", axis),
+                      "leave out the cage's faces in that plane, or --symmetry");
+  }
+  Box3 box;
+  for (const Vec3& p : cage.points) box.extend(p);
+  const double own =
+      plane->axis == options.symmetry->axis ? plane->normal[plane->axis] * plane->offset : std::nan("");
+  if (!(std::abs(own - value) <= 1e-4 * box.diagonal().norm())) {
+    throw input_error(
+        cage.source, 0,
+        fmt::format(
+            "the cage is open in the plane with normal {} at {:.6g} m, but --symmetry says {} = {:.6g} m",
+            place(plane->normal), plane->offset, axis, value),
+        "draw the open boundary in the symmetry plane, or correct --symmetry");
+  }
+}
+
+VolumeSettings volume_settings(const Options& options, const FitInputs& inputs) {
+  VolumeSettings settings;
+  settings.fit = fit_settings(options, most_levels);
+  settings.tolerance = options.tolerance;
+  settings.snap = options.snap;
+  if (!options.outer.empty()) settings.outer = read_cage_in_metres(options.outer, inputs.cage_unit);
+  settings.farfield.kind = options.farfield == "sphere" ? OuterShape::Kind::sphere : OuterShape::Kind::box;
+  settings.farfield.body_lengths = options.farfield_size;
+  if (options.first_height)
+    settings.spacing.first_height = *options.first_height * metres_per_unit(options.unit);
+  if (options.growth) settings.spacing.growth = *options.growth;
+  if (options.layers) settings.spacing.layers = *options.layers;
+  settings.cells = options.cells.value_or(0);
+  return settings;
+}
+
+void write_outputs(std::vector<Output>& outputs, const BlockMesh& mesh, const std::vector<double>& deviation,
+                   Progress& progress) {
+  std::vector<float> jacobians, deviations;
+  std::optional<HexAdjacency> adjacency;
+  for (Output& output : outputs) {
+    std::vector<std::string> notes;
+    if (output.vtu) {
+      progress.step("write VTU", 0);
+      jacobians = scaled_jacobians(mesh);
+      deviations.assign(deviation.begin(), deviation.end());
+      const VtuFields fields{{{"scaledJacobian", jacobians, {}}}, {{"deviation", deviations}}};
+      notes = write_vtu(output.vtu->stream(), mesh, fields, &progress);
+    } else {
+      progress.step("write OpenFOAM case", 0);
+      if (!adjacency) adjacency = build_hex_adjacency(mesh);
+      notes = write_polymesh(*output.poly_mesh, mesh, *adjacency, {}, &progress);
+    }
+    for (const std::string& note : notes) progress.warn(note);
+  }
+  // All were written: only now any of them appears.
+  for (Output& output : outputs) {
+    if (output.vtu) output.vtu->commit();
+    if (output.poly_mesh) {
+      output.poly_mesh->commit();
+      write_case_files(output.case_folder, output.foam_file);
+    }
+  }
+}
+
+Json report(const Options& options, const FitInputs& inputs, const VolumeResult& result) {
+  const double scale = 1 / metres_per_unit(options.unit);
+  Json json = new_report();
+  json["cad"] = cad_json(inputs.cad.summary());
+  json["cage"] = cage_json(inputs, options);
+  json["surface"] = surface_json(result.fit);
+  json["volume"] = volume_json(result.quality);
+  json["volume"]["first_height"] = {{"min", result.spacing.min_first * scale},
+                                    {"max", result.spacing.max_first * scale},
+                                    {"asked", options.first_height ? Json(*options.first_height) : Json()}};
+  json["volume"]["max_growth"] = result.spacing.max_growth;
+  json["patches"] = Json::array();
+  for (const PatchSummary& p : result.patches) {
+    Json patch{{"name", p.name}, {"type", patch_type_name(p.type)}, {"faces", p.faces}};
+    if (p.type == PatchType::wall) {
+      patch["max_deviation"] = p.max_deviation;
+      patch["rms_deviation"] = p.rms_deviation;
+      patch["first_height"] = {{"min", p.min_first_height * scale}, {"max", p.max_first_height * scale}};
+    }
+    json["patches"].push_back(patch);
+  }
+  json["gates"] = gates_json(result.gates);
+  return json;
+}
+
+}  // namespace
+
+int run_mesh(const Options& options, Progress& progress) {
+  const Clock::time_point start = Clock::now();
+  for (const std::string& name : options.outputs) format_of(name);
+  const FitInputs inputs = read_fit_inputs(options, progress);
+  check_symmetry(options, inputs.cage);
+  const VolumeSettings settings = volume_settings(options, inputs);
+  std::vector<Output> outputs;  // opened before the long work: a place that cannot be written shows now
+  for (const std::string& name : options.outputs) outputs.push_back(open_output(name));
+
+  VolumeResult result = make_volume(inputs.cage, inputs.cad, settings, progress);
+  const Clock::time_point write_start = Clock::now();
+  if (options.force || all_hold(result.gates)) {
+    const double scale = 1 / metres_per_unit(options.unit);
+    for (Vec3& p : result.mesh.mutable_points()) p *= scale;
+    for (double& d : result.deviation) d *= scale;
+    write_outputs(outputs, result.mesh, result.deviation, progress);
+  }
+  if (!options.json.empty()) {
+    Json json = report(options, inputs, result);
+    json["seconds"] = {{"read", inputs.read_seconds},         {"cage", 0.0},
+                       {"fit", result.fit_seconds},           {"volume", result.volume_seconds},
+                       {"write", seconds_since(write_start)}, {"total", seconds_since(start)}};
+    json["peak_memory_bytes"] = peak_memory_bytes();
+    write_json(json, options.json);
+  }
+  require_gates(result.gates);
+  return 0;
+}
+
+}  // namespace flowcage

@@ -1,0 +1,91 @@
+#include <fmt/format.h>
+
+#include <chrono>
+#include <memory>
+
+#include "cli/cad_json.hpp"
+#include "cli/commands/commands.hpp"
+#include "cli/fit_job.hpp"
+#include "core/base/atomic_file.hpp"
+#include "core/cage/read_cage.hpp"
+#include "core/cage/write_cage.hpp"
+#include "core/export/write_surface.hpp"
+
+namespace flowcage {
+namespace {
+
+constexpr int most_levels = 5;
+
+std::string format_of(const std::string& name) {
+  const std::string extension = std::filesystem::path(name).extension().string();
+  if (extension == ".obj" || extension == ".vtp" || extension == ".stl") return extension;
+  if (extension == ".step" || extension == ".stp") {
+    throw Error(ErrorKind::usage, fmt::format("-o: {}: B-spline patches are not in this version", name),
+                "give a name that ends in .obj, .vtp or .stl");
+  }
+  throw Error(ErrorKind::usage, fmt::format("-o: {}: unknown surface format", name),
+              "give a name that ends in .obj, .vtp or .stl");
+}
+
+void write_surface(const std::string& format, const Cage& mesh, const std::vector<double>& deviation,
+                   std::ostream& out, Progress& progress) {
+  if (format == ".obj") return write_cage(mesh, out);
+  if (format == ".stl") return write_stl(out, mesh);
+  const std::vector<float> values(deviation.begin(), deviation.end());
+  for (const std::string& note : write_vtp(out, mesh, {{"deviation", values}})) progress.warn(note);
+}
+
+}  // namespace
+
+int run_surface(const Options& options, Progress& progress) {
+  using Clock = std::chrono::steady_clock;
+  const auto seconds_since = [](Clock::time_point t) {
+    return std::chrono::duration<double>(Clock::now() - t).count();
+  };
+  const Clock::time_point start = Clock::now();
+  std::vector<std::string> formats;
+  for (const std::string& name : options.outputs) formats.push_back(format_of(name));
+  const FitInputs inputs = read_fit_inputs(options, progress);
+  // Opened before the long work: a place that cannot be written shows now.
+  std::vector<std::unique_ptr<AtomicFile>> outputs;
+  for (const std::string& name : options.outputs) outputs.push_back(std::make_unique<AtomicFile>(name));
+
+  const Clock::time_point fit_start = Clock::now();
+  SurfaceSettings settings;
+  settings.fit = fit_settings(options, most_levels);
+  settings.tolerance = options.tolerance;
+  settings.snap = options.snap;
+  settings.sample = options.sample;
+  SurfaceResult result = make_surface(inputs.cage, inputs.cad, settings, progress);
+  const double fit_seconds = seconds_since(fit_start);
+
+  const Clock::time_point write_start = Clock::now();
+  const bool write = options.force || all_hold(result.gates);
+  if (write) {
+    const double scale = 1 / metres_per_unit(options.unit);
+    const Cage mesh = scale_cage(std::move(result.mesh), scale);
+    for (double& d : result.deviation) d *= scale;
+    for (std::size_t i = 0; i < outputs.size(); ++i) {
+      progress.step("write", static_cast<double>(i) / static_cast<double>(outputs.size()));
+      write_surface(formats[i], mesh, result.deviation, outputs[i]->stream(), progress);
+    }
+    for (const auto& output : outputs) output->commit();
+  }
+  if (!options.json.empty()) {
+    Json json = new_report();
+    json["cad"] = cad_json(inputs.cad.summary());
+    json["cage"] = cage_json(inputs, options);
+    json["surface"] = surface_json(result.fit);
+    json["gates"] = gates_json(result.gates);
+    json["seconds"] = {{"read", inputs.read_seconds},
+                       {"fit", fit_seconds},
+                       {"write", seconds_since(write_start)},
+                       {"total", seconds_since(start)}};
+    json["peak_memory_bytes"] = peak_memory_bytes();
+    write_json(json, options.json);
+  }
+  require_gates(result.gates);
+  return 0;
+}
+
+}  // namespace flowcage

@@ -1,0 +1,118 @@
+#include "cli/fit_job.hpp"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <set>
+
+#include "core/cage/read_cage.hpp"
+#include "core/mesh/surface_level.hpp"
+
+namespace flowcage {
+
+FitInputs read_fit_inputs(const Options& options, Progress& progress) {
+  if (options.cage == "auto") {
+    throw Error(ErrorKind::usage, "--cage is missing: automatic cages are not in this version",
+                "draw a cage (docs/cages.md) and give it with --cage FILE");
+  }
+  const auto start = std::chrono::steady_clock::now();
+  // The cage first: it is read at once, and most likely to be wrong.
+  Cage drawn = read_cage(options.cage);
+  CadReadSettings settings;
+  settings.cad_unit = options.cad_unit;
+  settings.crease_angle_degrees = options.crease_angle;
+  CadModel cad = read_cad(options.inputs, settings, progress);
+  const double cad_unit = cad.summary().files.front().unit_in_metres;
+  const double unit = !options.cage_unit.empty() ? metres_per_unit(options.cage_unit)
+                      : cad_unit > 0             ? cad_unit
+                                                 : 1;
+  Cage cage = scale_cage(std::move(drawn), unit);
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  return {std::move(cad), std::move(cage), unit, seconds.count()};
+}
+
+Cage read_cage_in_metres(const std::string& file, double unit) {
+  return scale_cage(read_cage(file), unit);
+}
+
+FitSettings fit_settings(const Options& options, int most) {
+  FitSettings settings;
+  settings.levels = options.levels.value_or(most);
+  settings.tolerance = options.levels ? 0 : options.tolerance;
+  return settings;
+}
+
+void require_gates(const std::vector<Gate>& gates) {
+  std::vector<std::string> missed;
+  for (const Gate& gate : gates) {
+    if (gate.holds) continue;
+    missed.push_back(fmt::format("gate {} is missed: {:.3g}, the limit is {:.3g}: {}", gate.name, gate.value,
+                                 gate.limit, gate.detail));
+  }
+  if (missed.empty()) return;
+  std::string remedy;
+  for (std::size_t i = 1; i < missed.size(); ++i) remedy += missed[i] + "\n  ";
+  throw Error(
+      ErrorKind::gate, missed.front(),
+      remedy +
+          "ask for more --levels or a larger --tolerance, improve the cage there (docs/cages.md), or write "
+          "the result as it is with --force");
+}
+
+Json cage_json(const FitInputs& inputs, const Options& options) {
+  const Cage& cage = inputs.cage;
+  std::set<std::pair<Index, Index>> creases;
+  for (const Cage::Crease& c : cage.creases) {
+    if (c.sharpness > 0) creases.insert(std::minmax(c.a, c.b));
+  }
+  return {{"source", options.cage},
+          {"vertices", cage.points.size()},
+          {"faces", cage.faces.size()},
+          {"crease_edges", creases.size()},
+          {"genus", topology_of(build_surface_level(cage)).genus}};
+}
+
+Json surface_json(const SurfaceFit& fit) {
+  Json levels = Json::array();
+  for (const FittedLevel& level : fit.levels) {
+    const LevelReport& r = level.report;
+    levels.push_back({{"level", r.level},
+                      {"control_vertices", r.control_vertices},
+                      {"samples", r.samples},
+                      {"max_deviation", r.max_deviation},
+                      {"rms_deviation", r.rms_deviation},
+                      {"solver_iterations", r.solver_iterations},
+                      {"seconds", r.seconds},
+                      {"passes", r.passes},
+                      {"folds", r.folds},
+                      {"worst_place", json_of(r.worst_place)},
+                      {"stopped_because", r.stopped_because}});
+  }
+  return {{"max_deviation", fit.max_deviation},
+          {"rms_deviation", fit.rms_deviation},
+          {"coverage_deviation", fit.coverage_deviation},
+          {"levels", levels},
+          {"worst_place", json_of(fit.worst_place)},
+          {"worst_coverage_place", json_of(fit.worst_coverage_place)},
+          {"unmatched_feature_chains", fit.unmatched_chains.size()},
+          {"warnings", fit.warnings}};
+}
+
+Json gates_json(const std::vector<Gate>& gates) {
+  Json list = Json::array();
+  for (const Gate& g : gates) {
+    list.push_back(
+        {{"name", g.name}, {"limit", g.limit}, {"value", g.value}, {"holds", g.holds}, {"detail", g.detail}});
+  }
+  return list;
+}
+
+double peak_memory_bytes() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return 1024.0 * static_cast<double>(usage.ru_maxrss);
+}
+
+}  // namespace flowcage

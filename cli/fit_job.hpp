@@ -1,0 +1,42 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "cli/json_report.hpp"
+#include "core/mesh/cage.hpp"
+#include "core/options.hpp"
+#include "core/pipeline.hpp"
+#include "occ_bridge/cad_model.hpp"
+
+namespace flowcage {
+
+/// What the commands surface and mesh share: their inputs, gates and JSON.
+struct FitInputs {
+  CadModel cad;
+  Cage cage;             ///< in metres
+  double cage_unit = 1;  ///< metres
+  double read_seconds = 0;
+};
+
+/// Reads the CAD files and the cage. Throws Error(usage) without --cage.
+FitInputs read_fit_inputs(const Options& options, Progress& progress);
+
+/// A cage file in metres; unit as read_fit_inputs found it.
+Cage read_cage_in_metres(const std::string& file, double unit);
+
+/// Without --levels: up to `most` levels, as many as the tolerance needs.
+FitSettings fit_settings(const Options& options, int most);
+
+/// A missed gate as an exception: the first one with its place, the others in the remedy. Nothing if all
+/// hold.
+void require_gates(const std::vector<Gate>& gates);
+
+/// The contract's "cage", "surface" and "gates".
+Json cage_json(const FitInputs& inputs, const Options& options);
+Json surface_json(const SurfaceFit& fit);
+Json gates_json(const std::vector<Gate>& gates);
+
+/// Largest memory of this process so far.
+double peak_memory_bytes();
+
+}  // namespace flowcage
