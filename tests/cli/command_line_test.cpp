@@ -266,3 +266,29 @@ TEST_CASE("inspect and quality: unusable input") {
   }
   CHECK(folder.entries() == Strings{"case", "cube.obj", "text.step", "text.vtu"});
 }
+
+TEST_CASE("surface and mesh: wrong usage and unusable input, before any long work") {
+  const WorkFolder folder;
+  folder.put("text.step", "this is no STEP file\n");
+  folder.put("cube.obj", cube_text);
+  folder.put("bad.obj", "v 0 0 0\nv 1 0 0\nf 1 2 2\n");
+  const RunSettings in{.folder = folder.path()};
+  const auto run = [&](const char* command, const Strings& rest) {
+    Strings arguments{command, "text.step"};
+    arguments.insert(arguments.end(), rest.begin(), rest.end());
+    return run_flowcage(arguments, in);
+  };
+  for (const char* command : {"surface", "mesh"}) {
+    const std::string out = std::string(command) == "mesh" ? "x.vtu" : "x.obj";
+    check_error(run(command, {"-o", out}), 2, "--cage is missing", "--cage FILE");
+    check_error(run(command, {"--cage", "missing.obj", "-o", out}), 3, "missing.obj: cannot read", "");
+    check_error(run(command, {"--cage", "bad.obj", "-o", out}), 3, "bad.obj:3: face 1 has vertex 2", "");
+    check_error(run(command, {"--cage", "cube.obj", "-o", out}), 3, "text.step", "");
+    check_error(run(command, {"--cage", "cube.obj", "-o", "x.txt"}), 2, "x.txt: unknown", "");
+  }
+  check_error(run("surface", {"--cage", "cube.obj", "-o", "x.step"}), 2, "not in this version", "");
+  for (const char* later : {"x.cgns", "x.su2", "x.msh", "x.vtm", "x.xyz"}) {
+    check_error(run("mesh", {"--cage", "cube.obj", "-o", later}), 2, "not in this version", "X.vtu");
+  }
+  CHECK(folder.entries() == Strings{"bad.obj", "cube.obj", "text.step"});
+}
