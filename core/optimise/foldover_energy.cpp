@@ -209,13 +209,9 @@ EnergyValue evaluate_energy(const FoldoverProblem& problem, std::span<const Vec3
       const CellEnergy cell =
           cell_energy(gather(positions, problem.cells[n]), problem.inverse_lengths[n],
                       problem.kinds[n].thorough, parameters_of(problem, n, parameters), by_corner);
-      const double weight = problem.weights[n];
-      part.energy += weight * cell.energy;
+      part.energy += cell.energy;
       if (!problem.kinds[n].hopeless)
         part.min_determinant = std::min(part.min_determinant, cell.min_determinant);
-      if (by_corner != nullptr) {
-        for (Vec3& g : *by_corner) g *= weight;
-      }
     }
     return part;
   };
@@ -268,8 +264,7 @@ std::vector<Eigen::Matrix3d> energy_blocks(const FoldoverProblem& problem, std::
                      2 * own.lambda * ((d * d + 1) * steepness + 1) / x.value;
     const Vec3 cn = cofactors * n;
     const double phi = j.squaredNorm() * power + own.lambda * (d * d + 1) / x.value;
-    const double weight =
-        scale * static_cast<double>(problem.weights[cell]) * own.exponent * power_factor(phi, own);
+    const double weight = scale * own.exponent * power_factor(phi, own);
     block += weight * (2 * power * n.squaredNorm() * Eigen::Matrix3d::Identity() + k * cn * cn.transpose());
   };
   parallel_for(static_cast<Offset>(problem.moving.size()), point_grain, [&](Offset begin, Offset end) {

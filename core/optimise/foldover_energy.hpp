@@ -14,7 +14,6 @@ struct FoldoverProblem {
   std::vector<Index> moving;                           ///< #M, positions that may move, ascending
   Csr<Offset> moving_corners;                          ///< #M, 8 * cell + corner of each corner at that point
   std::vector<std::array<float, 12>> inverse_lengths;  ///< #cells, 1 / target length of each edge
-  std::vector<float> weights;                          ///< #cells, share in the energy, usually 1
   /// #cells. Thorough: 19 more samples (edge and face midpoints, centre), for cells whose corners do not
   /// prove them valid. Hopeless: stays regularised when all other cells are held invertible.
   struct CellKind {

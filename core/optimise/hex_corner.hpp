@@ -32,7 +32,9 @@ inline double corner_scaled_jacobian(const HexCornerPoints& p, int c) {
   for (int a = 0; a < 3; ++a) {
     const double sign = hex_corner_ijk[c][a] == 0 ? 1.0 : -1.0;
     e[a] = sign * (p[hex_corner_neighbour(c, a)] - p[c]);
-    const double length = e[a].stableNorm();
+    const double square = e[a].squaredNorm();
+    const bool normal_range = square > 1e-280 && square < 1e280;
+    const double length = normal_range ? std::sqrt(square) : e[a].stableNorm();
     if (length == 0) return 0;
     e[a] /= length;
   }

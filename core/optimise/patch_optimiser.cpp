@@ -41,10 +41,15 @@ class PatchOptimiser {
   /// Not worse than the input in the order that the caller was promised.
   bool admissible(const HexValidity& v) const;
   bool better(const HexValidity& a, const HexValidity& b) const;
-  /// Cells that their corners do not prove valid get more samples. Returns how many are new.
-  Offset mark_thorough(const Positions& positions);
+  /// Valid at the corners, not proved valid inside.
+  bool uncertified(const Positions& positions, std::size_t cell) const;
+  /// Cells that their corners do not prove valid get more samples.
+  void mark_thorough(const Positions& positions);
+  /// The same for cells that are certified in the best state and lost that in a rejected one: the barrier
+  /// then holds them inside as well. Returns whether there was one.
+  bool guard_certified(const Positions& rejected);
   void mark_hopeless(const Positions& positions);
-  bool smooth_pass(double& excess);
+  bool smooth_pass(double& excess, Positions& goal);
 
   const HexPatch& patch_;
   const UntangleSettings& settings_;
@@ -75,7 +80,6 @@ PatchOptimiser::PatchOptimiser(const PatchInput& input, const UntangleSettings& 
   std::vector<std::uint8_t> moves(patch_.freedom.size());
   for (std::size_t p = 0; p < moves.size(); ++p) moves[p] = patch_.freedom[p].moves() ? 1 : 0;
   problem_.inverse_lengths = inverse_target_lengths(start_.positions, patch_.cells, moves, settings.target);
-  problem_.weights.assign(patch_.cells.size(), 1.0F);
   problem_.kinds.resize(patch_.cells.size());
   for (std::size_t m = 0; m < patch_.moving.size(); ++m) {
     float longest = 0;
@@ -103,16 +107,27 @@ bool PatchOptimiser::better(const HexValidity& a, const HexValidity& b) const {
   return a.min_scaled_jacobian > b.min_scaled_jacobian;
 }
 
-Offset PatchOptimiser::mark_thorough(const Positions& positions) {
-  Offset added = 0;
+bool PatchOptimiser::uncertified(const Positions& positions, std::size_t cell) const {
+  const HexCornerPoints p = corner_points(positions, patch_.cells[cell]);
+  return min_scaled_jacobian(p) > 0 && jacobian_sign(p) != JacobianSign::positive;
+}
+
+void PatchOptimiser::mark_thorough(const Positions& positions) {
   for (std::size_t n = 0; n < patch_.cells.size(); ++n) {
-    if (problem_.kinds[n].thorough) continue;
-    const HexCornerPoints p = corner_points(positions, patch_.cells[n]);
-    if (!(min_scaled_jacobian(p) > 0) || jacobian_sign(p) == JacobianSign::positive) continue;
-    problem_.kinds[n].thorough = true;
-    ++added;
+    if (uncertified(positions, n)) problem_.kinds[n].thorough = true;
   }
-  return added;
+}
+
+bool PatchOptimiser::guard_certified(const Positions& rejected) {
+  bool any = false;
+  for (std::size_t n = 0; n < patch_.cells.size(); ++n) {
+    FoldoverProblem::CellKind& kind = problem_.kinds[n];
+    if (kind.thorough || kind.hopeless || !uncertified(rejected, n)) continue;
+    if (jacobian_sign(corner_points(best_.positions, patch_.cells[n])) != JacobianSign::positive) continue;
+    kind.thorough = true;
+    any = true;
+  }
+  return any;
 }
 
 void PatchOptimiser::mark_hopeless(const Positions& positions) {
@@ -206,11 +221,11 @@ void PatchOptimiser::untangle() {
 }
 
 /// Minimises the barrier energy from the best state; keeps the result where it is admissible. Returns whether
-/// it was; `excess`: the energy above that of perfect cells.
-bool PatchOptimiser::smooth_pass(double& excess) {
+/// it was; `excess`: the energy above that of perfect cells; `goal`: where the minimisation went.
+bool PatchOptimiser::smooth_pass(double& excess, Positions& goal) {
   EnergyParameters parameters{settings_.lambda, no_epsilon, 0.1, settings_.smooth_exponent};
   const double before = energy_at(parameters, best_.positions).energy;
-  Positions goal = best_.positions;
+  goal = best_.positions;
   minimise(parameters, goal);
   // Sliding points leave their surface along the tangent: the way back is cut short where it would harm.
   for (double t = 1; t > 0.1; t *= 0.5) {
@@ -239,7 +254,11 @@ void PatchOptimiser::smooth() {
   for (int pass = 0; pass < settings_.max_smooth_passes && budget_.left(); ++pass) {
     progress_.step("smooth", static_cast<double>(pass) / settings_.max_smooth_passes);
     const double last = excess;
-    if (!smooth_pass(excess)) break;
+    Positions goal;
+    if (!smooth_pass(excess, goal)) {
+      if (!guard_certified(goal)) break;
+      continue;
+    }
     if (std::isfinite(last) && last - excess <= settings_.relative_decrease * last) break;
   }
 }

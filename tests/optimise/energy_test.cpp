@@ -24,7 +24,6 @@ Setup setup_of(const BlockMesh& mesh) {
   for (std::size_t p = 0; p < out.positions.size(); ++p) problem.moving.push_back(static_cast<Index>(p));
   problem.moving_corners =
       corners_of_points(problem.cells, problem.moving, static_cast<Index>(out.positions.size()));
-  problem.weights.assign(problem.cells.size(), 1.0F);
   problem.kinds.resize(problem.cells.size());
   const std::vector<std::uint8_t> moves(out.positions.size(), 1);
   problem.inverse_lengths = inverse_target_lengths(out.positions, problem.cells, moves, {});
@@ -57,7 +56,6 @@ TEST_CASE("foldover energy: the gradient agrees with central differences") {
     s.positions.assign(mesh.points().begin(), mesh.points().end());
     for (std::size_t n = 0; n < s.problem.kinds.size(); ++n) {
       s.problem.kinds[n] = {n % 3 == 0, n % 5 == 4};
-      s.problem.weights[n] = 1.0F + 0.25F * static_cast<float>(n % 2);
     }
     std::vector<EnergyParameters> cases{{0.3, 0.4, 0.9, 1}, {1.0, 0.05, 0.5, 3}};
     if (shake < 0.5) cases.push_back({0.3, 0, 0.5, 4});

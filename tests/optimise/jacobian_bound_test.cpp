@@ -78,7 +78,8 @@ TEST_CASE("jacobian bound: below every sample, and closer with each split") {
     const HexCornerPoints p = shaken_cube(0.55, random);
     double least = 1e9;
     for (int s = 0; s < 9 * 9 * 9; ++s) {
-      least = std::min(least, jacobian_at(p, Vec3(s % 9, s / 9 % 9, s / 81) / 8.0));
+      const std::array<int, 3> at{s % 9, s / 9 % 9, s / 81};
+      least = std::min(least, jacobian_at(p, Vec3(at[0], at[1], at[2]) / 8.0));
     }
     CHECK(jacobian_lower_bound(p) <= least);
     const double sharp = jacobian_lower_bound(p, 60);

@@ -1,6 +1,6 @@
 #include "core/optimise/untangle.hpp"
 
-#include <cstring>
+#include <bit>
 #include <limits>
 
 #include "core/base/parallel.hpp"
@@ -17,8 +17,17 @@ double largest_distance(std::span<const Vec3> a, std::span<const Vec3> b) {
   return out;
 }
 
+bool same_bits(double a, double b) {
+  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+}
+
+bool same_bits(const Vec3& a, const Vec3& b) {
+  return same_bits(a[0], b[0]) && same_bits(a[1], b[1]) && same_bits(a[2], b[2]);
+}
+
 bool same_bits(std::span<const Vec3> a, std::span<const Vec3> b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const Vec3& p, const Vec3& q) { return same_bits(p, q); });
 }
 
 std::vector<std::uint8_t> boundary_points(const HexView& mesh) {
@@ -34,7 +43,7 @@ std::vector<std::uint8_t> boundary_points(const HexView& mesh) {
 void check_boundary_kept(const HexView& mesh, const UntangledPoints& result) {
   const std::vector<std::uint8_t> boundary = boundary_points(mesh);
   for (std::size_t p = 0; p < boundary.size(); ++p) {
-    if (boundary[p] != 0) REQUIRE(std::memcmp(&mesh.points()[p], &result.points[p], sizeof(Vec3)) == 0);
+    if (boundary[p] != 0) REQUIRE(same_bits(mesh.points()[p], result.points[p]));
   }
 }
 
@@ -179,7 +188,7 @@ TEST_CASE("untangle: points of a symmetry plane stay in it to the bit") {
   double moved = 0;
   for (const auto& quad : mesh.patches()[2].quads) {
     for (const Index p : quad) {
-      CHECK(std::memcmp(&result.points[p][1], &plane, sizeof(double)) == 0);
+      CHECK(same_bits(result.points[p][1], plane));
       moved = std::max(moved, (result.points[p] - mesh.points()[p]).norm());
     }
   }
@@ -293,7 +302,7 @@ TEST_CASE("repair: only the neighbourhood of bad cells moves") {
           return std::max({std::abs(i - c), std::abs(j - c), std::abs(k - c)}) > 4;
         };
         const Index p = mesh.point_number(0, i, j, k);
-        if (far(5) && far(14)) REQUIRE(std::memcmp(&result.points[p], &mesh.points()[p], sizeof(Vec3)) == 0);
+        if (far(5) && far(14)) REQUIRE(same_bits(mesh.points()[p], result.points[p]));
       }
     }
   }
