@@ -48,8 +48,8 @@ struct UntangledPoints {
 /// barrier that keeps valid cells valid (foldover_energy.hpp). Never returns anything worse than the input:
 /// not more inverted cells, and at the same number no lower minimum of the scaled Jacobian.
 ///
-/// Works for any size of mesh (lengths are made dimensionless). The cost is about 100 to 500 evaluations of
-/// every cell: meant for coarse levels; repair_cells is for fine ones. The same bits for any number of
+/// Works for any size of mesh (lengths are made dimensionless). The cost is about 60 to 300 evaluations (1
+/// us) of every cell: meant for coarse levels; repair_cells is for fine ones. The same bits for any number of
 /// threads. Throws Error(input) when a coordinate is not finite or freedom does not fit, Error(interrupted)
 /// by `progress`.
 UntangledPoints untangle(const HexView& mesh, const UntangleSettings& settings, Progress& progress);
