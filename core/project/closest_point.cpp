@@ -22,7 +22,7 @@ struct Box {
   Vec2 low, high;
 };
 
-/// Minimum of a convex quadratic over a box that contains 0: inside, or on one of the four sides.
+/// Minimum of a quadratic over a box that contains 0: inside where it is convex, or on one of the four sides.
 Vec2 minimise_in_box(const Model& m, const Box& box) {
   const double det = m.a * m.c - m.b * m.b;
   if (m.a > 0 && m.c > 0 && det > 1e-14 * m.a * m.c) {
@@ -31,7 +31,9 @@ Vec2 minimise_in_box(const Model& m, const Box& box) {
   }
   const auto best_along = [](double slope, double curvature, double low, double high) {
     if (curvature > 0) return std::clamp(-slope / curvature, low, high);
-    return slope > 0 ? low : slope < 0 ? high : std::clamp(0.0, low, high);
+    if (!std::isfinite(low) || !std::isfinite(high)) return std::clamp(0.0, low, high);
+    const auto at = [&](double t) { return slope * t + 0.5 * curvature * t * t; };
+    return at(low) < at(high) ? low : at(high) < at(low) ? high : slope > 0 ? low : high;
   };
   Vec2 best = Vec2::Zero();
   double best_value = 0;
@@ -87,6 +89,7 @@ class Search {
     foot.point = {at_.position, at_.du, at_.dv};
     foot.distance = (at_.position - query_).norm();
     foot.at_border = held_;
+    foot.convex = convex_;
     return foot;
   }
 
@@ -132,10 +135,11 @@ class Search {
     const Box box = room();
     held_ = (g.x() > 0 && box.low.x() == 0) || (g.x() < 0 && box.high.x() == 0) ||
             (g.y() > 0 && box.low.y() == 0) || (g.y() < 0 && box.high.y() == 0);
-    if (settings_.give_up_above < std::numeric_limits<double>::infinity()) {
+    if (settings_.convexity_margin < std::numeric_limits<double>::infinity()) {
+      if (!convex_ && smallest_eigenvalue(full, tangent) > settings_.convexity_margin) convex_ = true;
       const double descent = std::min(g.x() * box.low.x(), g.x() * box.high.x()) +
                              std::min(g.y() * box.low.y(), g.y() * box.high.y());
-      if (f_ + descent > 0.5 * settings_.give_up_above * settings_.give_up_above) {
+      if (convex_ && f_ + descent > 0.5 * settings_.give_up_above * settings_.give_up_above) {
         return FootConvergence::given_up;
       }
     }
@@ -145,6 +149,8 @@ class Search {
       newton = full.a > 0 && full.c > 0 && full.a * full.c - full.b * full.b > 1e-10 * full.a * full.c;
       if (newton) {
         d = minimise_in_box(full, box);
+      } else if (jump(full, box)) {
+        return std::nullopt;
       } else {
         // The tangent-plane step, damped by the model's largest stretch of it.
         const Vec2 whole = minimise_in_box(tangent, box);
@@ -176,6 +182,34 @@ class Search {
       return FootConvergence::converged;
     }
     return walk(d, g) ? std::nullopt : std::optional(FootConvergence::stalled);
+  }
+
+  /// Of H d = lambda I d.
+  static double smallest_eigenvalue(const Model& full, const Model& tangent) {
+    const double det = tangent.a * tangent.c - tangent.b * tangent.b;
+    if (!(det > 1e-12 * tangent.a * tangent.c)) return -std::numeric_limits<double>::infinity();
+    const double trace = full.a * tangent.c + full.c * tangent.a - 2 * full.b * tangent.b;
+    const double product = (full.a * full.c - full.b * full.b) / det, half = 0.5 * trace / det;
+    return half - std::sqrt(std::max(0.0, half * half - product));
+  }
+
+  /// Where the model is not convex its minimum lies on the box's border: goes there if f falls as foreseen.
+  bool jump(const Model& full, const Box& box) {
+    const Vec2 d = minimise_in_box(full, box);
+    const double gain = full.value(d);
+    if (!(gain < 0) || !(step_length(d) > settings_.tolerance * length_)) return false;
+    const Vec2 from = uv_;
+    const PatchCurvature at = at_;
+    const Vec3 r = r_;
+    const double f = f_;
+    uv_ = inside(from + d);
+    evaluate();
+    if (f_ < f + 0.1 * gain) return true;
+    uv_ = from;
+    at_ = at;
+    r_ = r;
+    f_ = f;
+    return false;
   }
 
   double bend(const Vec2& d) const {
@@ -321,7 +355,7 @@ class Search {
   PatchCurvature at_;
   Vec3 r_ = Vec3::Zero();
   double f_ = 0;
-  bool held_ = false;
+  bool held_ = false, convex_ = false;
   int pole_visits_ = 0;
 };
 

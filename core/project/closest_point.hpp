@@ -13,7 +13,8 @@ enum class FootMethod : std::uint8_t {
   /// lambda| for a normal curvature k and a signed distance d.
   tangent_plane,
   /// Newton's method on f, H = I + r . (S_uu, S_uv; S_uv, S_vv). Where H is not positive definite, the
-  /// tangent-plane step damped by the largest curvature. Converges quadratically.
+  /// minimum of the quadratic model over the domain's box if f falls there, otherwise the tangent-plane step
+  /// damped by the largest curvature. Converges quadratically.
   newton,
 };
 
@@ -24,9 +25,12 @@ struct ClosestPointSettings {
   double length = 0;         ///< size of the model; 0: the patch's own extent, estimated at the start
   int max_iterations = 60;
   std::optional<Eigen::AlignedBox2d> window;  ///< search only this part of the domain; nothing wraps then
-  /// Newton only: end as soon as the convex lower bound f + min over the window of g . d shows that no point
-  /// of the window is nearer than this. The caller vouches that f is convex over the window.
+  /// End as soon as f is convex over the window and its lower bound f + min over the window of g . d shows
+  /// that no point of it is nearer than this.
   double give_up_above = std::numeric_limits<double>::infinity();
+  /// f counts as convex over the window where the smallest eigenvalue of H relative to I is above this at the
+  /// iterate: a bound of how much it can fall elsewhere in the window.
+  double convexity_margin = std::numeric_limits<double>::infinity();
 };
 
 enum class FootConvergence : std::uint8_t {
@@ -42,6 +46,7 @@ struct PatchFoot {
   Vec2 uv = Vec2::Zero();
   PatchPoint point;
   double distance = 0;
+  bool convex = false;     ///< by convexity_margin, at some iterate: the only minimum over the window
   bool at_border = false;  ///< held by the domain's border: the residual need not be normal
   FootConvergence convergence = FootConvergence::no_number;
   int iterations = 0;

@@ -65,6 +65,14 @@ Vec2 reference_of(const Eigen::AlignedBox2d& box) {
   return box.min() + Vec2(0.4871, 0.5093).cwiseProduct(box.sizes());
 }
 
+/// Bound of the norm of the quadratic form (p q; q s) relative to the first fundamental form.
+double relative_norm(const PatchCurvature& at, double p, double q, double s) {
+  const double u = at.du.norm(), v = at.dv.norm();
+  if (!(u > 0) || !(v > 0)) return std::numeric_limits<double>::infinity();
+  const double cosine = std::min(1.0, std::abs(at.du.dot(at.dv)) / (u * v));
+  return (std::max(p / (u * u), s / (v * v)) + q / (u * v)) / (1 - cosine + 1e-12);
+}
+
 class Splitter {
  public:
   Splitter(const BoundedPatch& patch, Index number, const CellSettings& settings, TrimmedCells& result)
@@ -141,6 +149,7 @@ class Splitter {
     std::vector<Vec3> normals;
     Vec3 sum = Vec3::Zero();
     bool regular = true;
+    const PatchCurvature middle = patch_.second(cell.box.center());
     for (const double a : {0.0, 0.5, 1.0}) {
       for (const double b : {0.0, 0.5, 1.0}) {
         const PatchCurvature c = patch_.second(cell.box.min() + Vec2(a, b).cwiseProduct(cell.box.sizes()));
@@ -150,15 +159,21 @@ class Splitter {
           regular = false;
           continue;
         }
-        const double sine = n.norm() / (u * v);
-        const double bend =
-            (c.duu.norm() / (u * u) + 2 * c.duv.norm() / (u * v) + c.dvv.norm() / (v * v)) / (sine * sine);
-        cell.bend = std::max(cell.bend, 1.3 * bend);
+        // H = I + r . S'' with r = (middle - query) + (S - middle): what differs from the middle's.
+        const Vec3 way = c.position - middle.position;
+        cell.bend_change = std::max(
+            cell.bend_change, relative_norm(middle, (c.duu - middle.duu).norm(), (c.duv - middle.duv).norm(),
+                                            (c.dvv - middle.dvv).norm()));
+        cell.metric_change = std::max(
+            cell.metric_change,
+            relative_norm(middle, std::abs(c.du.squaredNorm() + way.dot(c.duu) - middle.du.squaredNorm()),
+                          std::abs(c.du.dot(c.dv) + way.dot(c.duv) - middle.du.dot(middle.dv)),
+                          std::abs(c.dv.squaredNorm() + way.dot(c.dvv) - middle.dv.squaredNorm())));
         normals.push_back(n.normalized());
         sum += normals.back();
       }
     }
-    if (!regular) cell.bend = std::numeric_limits<double>::infinity();
+    if (!regular) cell.metric_change = std::numeric_limits<double>::infinity();
     if (normals.size() >= 6 && sum.norm() > 0.1) {
       cell.normal_axis = sum.normalized();
       double widest = 0;

@@ -16,8 +16,9 @@ struct PatchCell {
   Eigen::AlignedBox2d box;
   Vec3 p00, p10, p01, p11;  ///< its corners, (u, v) = low low, high low, low high, high high
   double slack = 0;         ///< the surface is within this of the triangles p00 p10 p11 and p00 p11 p01
-  double bend = 0;          ///< second derivatives relative to the first squared; times a distance below 1/2:
-                            ///< the squared distance is convex over the cell
+  // How much the Hessian of half the squared distance, relative to the first fundamental form, may differ
+  // from the cell's middle: a part in proportion to the distance, and a part without (nine samples).
+  double bend_change = 0, metric_change = 0;
   Vec3 normal_axis = Vec3::Zero();  ///< cone that holds the unit du x dv
   double normal_cosine = -1;        ///< of its half angle; -1: any direction
   Index patch = 0;

@@ -149,22 +149,23 @@ class ClosestSearch {
     if (filter_.normal != nullptr && !cone_allows(cell, face)) return;
     const CellStart start = cell_start(cell, query_);
     if (start.distance - cell.slack > give_up_distance()) return;
-    const bool convex = (start.distance + cell.slack) * cell.bend < 0.5;
     ClosestPointSettings settings;
     settings.length = parts_.length;
     settings.window = cell.box;
-    if (convex) {
-      settings.give_up_above = give_up_distance() + slack_of_bounds * parts_.length;
-      offer_foot(number, face, start.uv, settings);
-      return;
-    }
-    // Several minima are possible: from the four corners as well.
-    offer_foot(number, face, start.uv, settings);
+    settings.give_up_above = give_up_distance() + slack_of_bounds * parts_.length;
+    // The start is not the middle, so twice the bounds.
+    settings.convexity_margin =
+        0.05 + 2 * ((start.distance + cell.slack) * cell.bend_change + cell.metric_change);
+    if (offer_foot(number, face, start.uv, settings)) return;
+    // Several minima are possible: from those corners as well around which a nearer point may be.
+    settings.convexity_margin = infinity;
     const Vec2 low = cell.box.min(), size = cell.box.sizes();
-    for (const double a : {0.1, 0.9}) {
-      for (const double b : {0.1, 0.9}) {
-        offer_foot(number, face, low + Vec2(a, b).cwiseProduct(size), settings);
-      }
+    const Vec3* corners[] = {&cell.p00, &cell.p10, &cell.p01, &cell.p11};
+    for (int corner = 0; corner < 4; ++corner) {
+      const double from = (*corners[corner] - query_).norm() - cell.slack;
+      if (from > give_up_distance()) continue;
+      const Vec2 fraction(corner % 2 == 0 ? 0.1 : 0.9, corner / 2 == 0 ? 0.1 : 0.9);
+      offer_foot(number, face, low + fraction.cwiseProduct(size), settings);
     }
   }
 
@@ -176,13 +177,15 @@ class ClosestSearch {
            std::acos(std::clamp(filter_.min_cosine, -1.0, 1.0));
   }
 
-  void offer_foot(Index number, Index face, const Vec2& start, const ClosestPointSettings& settings) {
+  /// True if the cell is done with: the foot is its only minimum, or none of it is near enough.
+  bool offer_foot(Index number, Index face, const Vec2& start, const ClosestPointSettings& settings) {
     const PatchCell& cell = parts_.cells.cells[number];
     const BoundedPatch& patch = *parts_.patches[cell.patch];
     const PatchFoot foot = closest_point(patch, query_, start, settings);
-    if (foot.convergence == FootConvergence::no_number || foot.convergence == FootConvergence::given_up)
-      return;
-    if (foot.distance > give_up_distance()) return;
+    if (foot.convergence == FootConvergence::no_number || foot.convergence == FootConvergence::given_up) {
+      return true;
+    }
+    if (foot.distance > give_up_distance()) return foot.convex;
     Candidate candidate;
     candidate.key = foot.distance;
     candidate.cell = number;
@@ -198,7 +201,12 @@ class ClosestSearch {
                                  ? FootStatus::interior
                                  : FootStatus::boundary;
     if (candidate.point.status == FootStatus::boundary) candidate.key += rounding * parts_.length;
-    if (!candidate.before(best_) || !compatible(candidate.point.normal)) return;
+    if (!candidate.before(best_) || !compatible(candidate.point.normal)) return foot.convex;
+    // With a filter the answer must not depend on where cells end: only feet, and minima at a patch's end.
+    if (filter_.normal != nullptr && candidate.point.status == FootStatus::boundary &&
+        !on_patch_border(patch, foot.uv)) {
+      return foot.convex;
+    }
     const TrimSide side = trim_side(parts_.cells, cell, foot.point, foot.uv, parts_.faces[face].trim_margin);
     if (side == TrimSide::inside) {
       offer(candidate);
@@ -209,6 +217,12 @@ class ClosestSearch {
         pending_[pending_count_++] = candidate;
       }
     }
+    return foot.convex;
+  }
+
+  static bool on_patch_border(const BoundedPatch& patch, const Vec2& uv) {
+    const Eigen::AlignedBox2d domain = patch.domain();
+    return (uv.array() <= domain.min().array()).any() || (uv.array() >= domain.max().array()).any();
   }
 
   bool compatible(const Vec3& normal) const {
