@@ -139,3 +139,26 @@ TEST_CASE("Surfaces: VTP and STL as VTK, meshio and gmsh read them") {
     CHECK(said.output.find("bounds 2 1") != std::string::npos);  // gmsh could fill it: it is closed
   }
 }
+
+TEST_CASE("render.py draws a mesh without a display") {
+  if (!have_python_module("vtk") || !have_program("xvfb-run")) return;
+  const HexMesh mesh = sphere_shell(6, 5, 4, true);
+  const ScratchFolder folder;
+  const std::vector<float> jacobians = scaled_jacobians(mesh);
+  {
+    std::ofstream out(folder.path() / "mesh.vtu", std::ios::binary);
+    write_vtu(out, mesh, {{{"scaled_jacobian", jacobians, {}}}, {}});
+  }
+  const std::string render =
+      "env -u DISPLAY /usr/bin/python3 " FLOWCAGE_TEST_SOURCES "/../examples/render.py ";
+  const auto picture = folder.path() / "mesh.png";
+  const PeerRun drawn = run(render + (folder.path() / "mesh.vtu").string() + " " + picture.string());
+  CAPTURE(drawn.output);
+  CHECK(drawn.exit_code == 0);
+  const std::string png = read_text(picture);
+  CHECK(png.substr(1, 3) == "PNG");
+  CHECK(png.size() > 20000);  // an empty picture of this size packs into less than 10 kB
+  const PeerRun refused = run(render + (folder.path() / "missing.vtu").string() + " " + picture.string());
+  CHECK(refused.exit_code != 0);
+  CHECK(refused.output.find("is no readable VTU file") != std::string::npos);
+}
