@@ -1,5 +1,10 @@
 #include "cli/cad_json.hpp"
 
+#include <array>
+#include <cmath>
+#include <string>
+#include <utility>
+
 namespace flowcage {
 
 using Json = nlohmann::ordered_json;
@@ -8,6 +13,17 @@ namespace {
 
 Json numbers(const Vec3& p) {
   return Json::array({p.x(), p.y(), p.z()});
+}
+
+/// "mm" where the file says "millimetre"; other units as the file calls them.
+std::string unit_symbol(const CadSummary& summary) {
+  static constexpr std::array units{std::pair{1.0, "m"}, std::pair{1e-3, "mm"}, std::pair{1e-2, "cm"},
+                                    std::pair{0.0254, "in"}, std::pair{0.3048, "ft"}};
+  const double metres = summary.files.empty() ? 0 : summary.files.front().unit_in_metres;
+  for (const auto& [length, symbol] : units) {
+    if (std::abs(metres - length) < 1e-9 * length) return symbol;
+  }
+  return summary.unit;
 }
 
 }  // namespace
@@ -25,7 +41,7 @@ Json cad_json(const CadSummary& summary) {
   }
   for (const NamedCount& kind : summary.faces_by_kind) kinds[kind.name] = kind.count;
   return {{"files", names},
-          {"unit", summary.unit},
+          {"unit", unit_symbol(summary)},
           {"faces", summary.faces},
           {"edges", summary.edges},
           {"sharp_edges", summary.sharp_edges},

@@ -109,10 +109,10 @@ Json gates_json(const std::vector<Gate>& gates) {
   return list;
 }
 
-double peak_memory_bytes() {
+Offset peak_memory_bytes() {
   rusage usage{};
   ::getrusage(RUSAGE_SELF, &usage);
-  return 1024.0 * static_cast<double>(usage.ru_maxrss);
+  return Offset{1024} * usage.ru_maxrss;
 }
 
 }  // namespace flowcage

@@ -37,6 +37,6 @@ Json surface_json(const SurfaceFit& fit);
 Json gates_json(const std::vector<Gate>& gates);
 
 /// Largest memory of this process so far.
-double peak_memory_bytes();
+Offset peak_memory_bytes();
 
 }  // namespace flowcage

@@ -1,0 +1,148 @@
+// surface and mesh on a CAD file, seen from outside: a sphere of diameter 1 m with a cube as its cage.
+#include <cmath>
+#include <cstdio>
+#include <sstream>
+
+#include "occ_bridge/shapes.hpp"
+#include "tests/catch.hpp"
+#include "tests/cli/run_program.hpp"
+
+using namespace flowcage;
+using Strings = std::vector<std::string>;
+
+namespace {
+
+/// A cube's cage in millimetres, 0.9 m wide; `open` leaves out the face at y = -450.
+std::string cube_cage(bool open = false) {
+  std::ostringstream text;
+  for (int i = 0; i < 8; ++i) {
+    text << "v " << ((i & 1) != 0 ? 450 : -450) << ' ' << ((i & 2) != 0 ? 450 : -450) << ' '
+         << ((i & 4) != 0 ? 450 : -450) << '\n';
+  }
+  text << "g ball\nf 1 3 4 2\nf 5 6 8 7\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+  if (!open) text << "f 1 2 6 5\n";
+  return text.str();
+}
+
+class Sphere : public WorkFolder {
+ public:
+  Sphere() {
+    write_cad(make_sphere(0.5), (path() / "sphere.step").string(), "mm");
+    put("cage.obj", cube_cage());
+  }
+  ProgramRun run(const char* command, const Strings& rest, RunSettings settings = {}) const {
+    Strings arguments{command, "sphere.step", "--cage", "cage.obj"};
+    arguments.insert(arguments.end(), rest.begin(), rest.end());
+    settings.folder = path();
+    return run_flowcage(arguments, settings);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("surface: vertices on the sphere, in the output's unit") {
+  const Sphere folder;
+  const ProgramRun run = folder.run("surface", {"--levels", "2", "--unit", "mm", "-o", "fit.obj", "-o",
+                                                "fit.vtp", "-o", "fit.stl", "--json", "fit.json"});
+  INFO(run.err);
+  REQUIRE(run.exit_code == 0);
+  CHECK(run.out.empty());
+  CHECK(folder.entries() == Strings{"cage.obj", "fit.json", "fit.obj", "fit.stl", "fit.vtp", "sphere.step"});
+  CHECK_THAT(folder.text_of("fit.obj"), contains_text("g ball\n"));
+  std::istringstream obj(folder.text_of("fit.obj"));
+  int vertices = 0;
+  for (std::string line; std::getline(obj, line);) {
+    double x = 0, y = 0, z = 0;
+    if (std::sscanf(line.c_str(), "v %lf %lf %lf", &x, &y, &z) != 3) continue;
+    ++vertices;
+    CHECK(std::hypot(x, y, z) == Approx(500).epsilon(1e-9));  // snapped
+  }
+  CHECK(vertices == 98);
+  for (const char* key :
+       {"\"max_deviation\"", "\"coverage_deviation\"", "\"control_vertices\": 98", "\"crease_edges\": 0",
+        "\"genus\": 0", "\"gates\"", "\"unit\": \"mm\"", "\"peak_memory_bytes\""}) {
+    CHECK_THAT(folder.text_of("fit.json"), contains_text(key));
+  }
+}
+
+TEST_CASE("mesh: the same bytes on any number of threads, a case that quality reads") {
+  const Sphere folder;
+  for (const char* threads : {"1", "3"}) {
+    const ProgramRun run =
+        folder.run("mesh", {"--levels", "2", "--tolerance", "1e-3", "--threads", threads, "-o",
+                            std::string(threads) + ".vtu", "-o", std::string("case") + threads});
+    INFO(run.err);
+    REQUIRE(run.exit_code == 0);
+    CHECK(run.out.empty());
+  }
+  CHECK(folder.text_of("1.vtu").size() > 10000);
+  CHECK(folder.text_of("1.vtu") == folder.text_of("3.vtu"));
+  for (const char* name : {"points", "faces", "owner", "neighbour", "boundary"}) {
+    const std::string inside = std::string("/constant/polyMesh/") + name;
+    CHECK_FALSE(folder.text_of("case1" + inside).empty());
+    CHECK(folder.text_of("case1" + inside) == folder.text_of("case3" + inside));
+  }
+  for (const char* mesh : {"case1", "1.vtu"}) {
+    const ProgramRun quality = run_flowcage({"quality", mesh}, {.folder = folder.path()});
+    CHECK(quality.exit_code == 0);
+    CHECK_THAT(quality.out, contains_text("cells     384\n"));  // 6 faces, 2 levels: 6 * 8^2
+    CHECK_THAT(quality.out, contains_text("inverted  0\n"));
+    CHECK_THAT(quality.out, contains_text("Mesh OK"));
+    CHECK_THAT(quality.out, contains_text("ball"));
+  }
+}
+
+TEST_CASE("a missed gate: exit 4 with the place, nothing at OUT without --force") {
+  const Sphere folder;
+  const auto check_missed = [](const ProgramRun& run) {
+    INFO(run.err);
+    CHECK(run.exit_code == 4);
+    CHECK_THAT(run.err, contains_text("flowcage: gate max_deviation is missed: "));
+    CHECK_THAT(run.err, contains_text("the limit is 1e-09"));
+    CHECK_THAT(run.err, contains_text(" near ("));
+    CHECK_THAT(run.err, contains_text("--force"));
+  };
+  for (const char* command : {"surface", "mesh"}) {
+    const bool mesh = std::string(command) == "mesh";
+    const Strings options{"--levels", "1", "--tolerance", "1e-9", "-o", mesh ? "x.vtu" : "x.obj"};
+    check_missed(folder.run(command, options));
+    CHECK(folder.entries() == Strings{"cage.obj", "sphere.step"});
+    Strings forced = options;
+    forced.push_back("--force");
+    check_missed(folder.run(command, forced));
+    CHECK(folder.entries().size() == 3);
+    std::filesystem::remove(folder.path() / options.back());
+  }
+}
+
+TEST_CASE("--symmetry must agree with the cage") {
+  const Sphere folder;
+  const ProgramRun closed = folder.run("mesh", {"--symmetry", "y", "-o", "case"});
+  CHECK(closed.exit_code == 3);
+  CHECK_THAT(closed.err, contains_text("cage.obj: the cage is closed"));
+  folder.put("cage.obj", cube_cage(true));
+  const ProgramRun other = folder.run("mesh", {"--symmetry", "y=0.1", "-o", "case"});
+  CHECK(other.exit_code == 3);
+  CHECK_THAT(other.err, contains_text("cage.obj: the cage is open in the plane"));
+  CHECK(folder.entries() == Strings{"cage.obj", "sphere.step"});
+}
+
+TEST_CASE("a cage in the wrong unit: exit 3") {
+  const Sphere folder;
+  const ProgramRun run = folder.run("mesh", {"--cage-unit", "m", "-o", "case"});
+  INFO(run.err);
+  CHECK(run.exit_code == 3);
+  CHECK_THAT(run.err, contains_text("flowcage: cage.obj"));
+  CHECK(folder.entries() == Strings{"cage.obj", "sphere.step"});
+}
+
+TEST_CASE("mesh: interrupted while it fits, nothing is left") {
+  const Sphere folder;
+  const ProgramRun run =
+      folder.run("mesh", {"--levels", "7", "-o", "case", "-o", "x.vtu", "--json", "x.json"},
+                 {.signal = SIGINT, .signal_delay = 2});
+  INFO(run.err);
+  CHECK(run.exit_code == 130);
+  CHECK_THAT(run.err, contains_text("flowcage: interrupted"));
+  CHECK(folder.entries() == Strings{"cage.obj", "sphere.step"});
+}
