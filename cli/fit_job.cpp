@@ -9,6 +9,7 @@
 
 #include "core/cage/read_cage.hpp"
 #include "core/mesh/surface_level.hpp"
+#include "core/refit/cage_check.hpp"
 
 namespace flowcage {
 
@@ -29,6 +30,7 @@ FitInputs read_fit_inputs(const Options& options, Progress& progress) {
                       : cad_unit > 0             ? cad_unit
                                                  : 1;
   Cage cage = scale_cage(std::move(drawn), unit);
+  check_cage_belongs(cage, cad);  // before blocks or far fields are judged by it
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
   return {std::move(cad), std::move(cage), unit, seconds.count()};
 }

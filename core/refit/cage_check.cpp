@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/base/error.hpp"
+#include "core/limit/limit_stencils.hpp"
 
 namespace flowcage {
 namespace {
@@ -115,6 +116,19 @@ void check_cage_belongs(const CageToCheck& cage, const TargetSurface& target) {
                     named(cage.source), agreement / used, used),
         "reverse all faces of the cage: counter-clockwise seen from the fluid's side");
   }
+}
+
+void check_cage_belongs(const Cage& cage, const TargetSurface& target) {
+  const SurfaceLevel level = build_surface_level(cage);
+  const TangentStencils tangents = tangent_stencils(level);
+  const std::vector<Vec3> u = apply_stencils(tangents.u, cage.points);
+  const std::vector<Vec3> v = apply_stencils(tangents.v, cage.points);
+  std::vector<Vec3> normals(u.size());
+  for (std::size_t i = 0; i < u.size(); ++i) {
+    const double norm = u[i].cross(v[i]).norm();
+    normals[i] = norm > 0 ? Vec3(u[i].cross(v[i]) / norm) : Vec3::Zero();
+  }
+  check_cage_belongs({level, cage.points, normals, cage.source}, target);
 }
 
 }  // namespace flowcage

@@ -19,4 +19,7 @@ struct CageToCheck {
 };
 void check_cage_belongs(const CageToCheck& cage, const TargetSurface& target);
 
+/// The same for a cage whose limit points were not made yet.
+void check_cage_belongs(const Cage& cage, const TargetSurface& target);
+
 }  // namespace flowcage

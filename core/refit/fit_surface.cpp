@@ -307,17 +307,7 @@ SurfaceFit fit_surface(const Cage& cage, const TargetSurface& target, const FitS
   progress.step("fit, level 0", 0);
   const double diagonal = target.diagonal();
   SurfaceLevel topology = build_surface_level(cage);
-  {
-    const TangentStencils tangents = tangent_stencils(topology);
-    const std::vector<Vec3> u = apply_stencils(tangents.u, cage.points);
-    const std::vector<Vec3> v = apply_stencils(tangents.v, cage.points);
-    std::vector<Vec3> normals(u.size());
-    for (std::size_t i = 0; i < u.size(); ++i) {
-      const double norm = u[i].cross(v[i]).norm();
-      normals[i] = norm > 0 ? Vec3(u[i].cross(v[i]) / norm) : Vec3::Zero();
-    }
-    check_cage_belongs({topology, cage.points, normals, cage.source}, target);
-  }
+  check_cage_belongs(cage, target);
 
   std::vector<CreaseChain> chains = crease_chains(topology);
   const FeatureMatch match = match_features(topology, cage.points, chains, target);

@@ -132,7 +132,8 @@ TEST_CASE("a cage in the wrong unit: exit 3") {
   const ProgramRun run = folder.run("mesh", {"--cage-unit", "m", "-o", "case"});
   INFO(run.err);
   CHECK(run.exit_code == 3);
-  CHECK_THAT(run.err, contains_text("flowcage: cage.obj"));
+  CHECK_THAT(run.err, contains_text("flowcage: cage.obj: the cage's size"));
+  CHECK_THAT(run.err, contains_text("--cage-unit"));
   CHECK(folder.entries() == Strings{"cage.obj", "sphere.step"});
 }
 
