@@ -11,8 +11,10 @@
 #include "core/limit/evaluate.hpp"
 #include "core/limit/limit_stencils.hpp"
 #include "core/mesh/hex_adjacency.hpp"
+#include "core/optimise/untangle.hpp"
 #include "core/subdivide/refine.hpp"
 #include "core/volume/refine_volume.hpp"
+#include "core/volume/wall_normals.hpp"
 
 namespace flowcage {
 namespace {
@@ -75,6 +77,35 @@ Cage as_cage(const SurfaceLevel& level, std::vector<Vec3> points, const Cage& li
   return mesh;
 }
 
+// Growth of the cells off the wall that the number of layers is chosen for where none is asked.
+constexpr double default_growth = 1.3;
+
+// Cells from wall to outer boundary at the coarsest level: as many as the wall's spacing needs to grow to the
+// outer boundary at the asked rate (two constant cells, then geometric), halved for each refinement to come.
+Index layers_at_start(const Shell& shell, const VolumeSettings& settings, const SurfaceFit& fit) {
+  const int last = static_cast<int>(fit.levels.size()) - 1;
+  const int refinements = last - shell.cage_level;
+  const FittedLevel& top = fit.levels[last];
+  double logarithms = 0;
+  for (const auto& edge : top.topology.edge_vertices) {
+    logarithms +=
+        std::log(std::max((top.control_points[edge[0]] - top.control_points[edge[1]]).norm(), 1e-300));
+  }
+  const double wall_size = std::exp(logarithms / top.topology.edge_count());
+  const bool asked = settings.spacing.first_height > 0;
+  const double first = asked ? settings.spacing.first_height : wall_size;
+  const double growth = asked ? settings.spacing.growth : default_growth;
+  double length = 0;
+  for (std::size_t v = 0; v < shell.inner_points.size(); ++v) {
+    length += (shell.outer_points[v] - shell.inner_points[v]).norm() /
+              static_cast<double>(shell.inner_points.size());
+  }
+  const double rest = std::max(0.0, length - 2 * first);
+  const double layers =
+      growth > 1 ? 2 + std::log1p(rest * (growth - 1) / (first * growth)) / std::log(growth) : length / first;
+  return static_cast<Index>(std::clamp(std::ceil(std::ldexp(layers, -refinements)), 1.0, 1000.0));
+}
+
 // The level whose number of cells is nearest to the wish, in ratio.
 int level_for_cells(const Shell& shell, Offset cells) {
   const double blocks = static_cast<double>(shell.inner.face_count());
@@ -82,18 +113,46 @@ int level_for_cells(const Shell& shell, Offset cells) {
   return shell.cage_level + std::max(0, static_cast<int>(std::lround(wish)));
 }
 
+// Meshes up to this size are untangled as a whole, larger ones only round their bad cells.
+constexpr Offset whole_mesh_cells = 30000;
+
+// Inverted cells are mended before the next refinement multiplies them. Wall and outer boundary stay.
+void mend(BlockMesh& mesh, Progress& progress) {
+  if (hex_validity(mesh).inverted == 0) return;
+  RepairSettings settings;
+  std::vector<PointFreedom> per_patch(mesh.patches().size(), fixed_point);
+  for (std::size_t p = 0; p < per_patch.size(); ++p) {
+    const BoundaryPatch& patch = mesh.patches()[p];
+    if (patch.type != PatchType::symmetry || patch.quads.empty()) continue;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double value = mesh.points()[patch.quads[0][0]][axis];
+      const bool flat = std::all_of(patch.quads.begin(), patch.quads.end(), [&](const auto& quad) {
+        return std::all_of(quad.begin(), quad.end(),
+                           [&](Index q) { return mesh.points()[q][axis] == value; });
+      });
+      if (flat) per_patch[p] = in_plane(axis);
+    }
+  }
+  settings.optimise.freedom = patch_freedom(mesh, per_patch);
+  mesh.mutable_points() = mesh.cell_count() <= whole_mesh_cells
+                              ? untangle(mesh, settings.optimise, progress).points
+                              : repair_cells(mesh, settings, progress).points;
+}
+
 // The blocks at the last level: refined in 3-D, the wall following the fitted control points at each level,
 // finally limit points (on the CAD if asked) on the wall and the outer surface's own limit outside.
 BlockMesh refine_to_fit(const Shell& shell, const VolumeSettings& settings, const SurfaceFit& fit,
                         Progress& progress) {
   const int last = static_cast<int>(fit.levels.size()) - 1;
-  BlockMesh mesh = start_volume(shell, fit.levels[shell.cage_level].control_points);
+  BlockMesh mesh =
+      start_volume(shell, fit.levels[shell.cage_level].control_points, layers_at_start(shell, settings, fit));
   for (int level = shell.cage_level + 1; level <= last; ++level) {
     progress.step("volume",
                   static_cast<double>(level - shell.cage_level - 1) / (last - shell.cage_level + 1));
     mesh = refine_volume(mesh);
     const std::vector<Vec3> outer = outer_points(shell, level - shell.cage_level, false);
     place_boundary(mesh, shell, fit.levels[level].topology, {fit.levels[level].control_points, outer});
+    mend(mesh, progress);
   }
   const SurfaceLevel& top = fit.levels[last].topology;
   std::vector<Vec3> wall = limit_points(fit.levels[last]);
@@ -184,7 +243,10 @@ VolumeResult make_volume(const Cage& cage, const TargetSurface& target, const Vo
 
   const auto volume_start = Clock::now();
   BlockMesh mesh = refine_to_fit(shell, settings, fit, progress);
+  respace_lines(mesh, shell, settings.spacing);
+  const NormalReport normals = turn_lines_to_wall(mesh, shell, {});
   const SpacingReport spacing = respace_lines(mesh, shell, settings.spacing);
+  mend(mesh, progress);
 
   progress.step("quality", 0);
   const FittedLevel& last = fit.levels.back();
@@ -197,9 +259,16 @@ VolumeResult make_volume(const Cage& cage, const TargetSurface& target, const Vo
   std::vector<PatchSummary> patches = summarise_patches(mesh, shell, last.topology, deviation, diagonal);
   std::vector<Gate> gates = surface_gates(fit, settings.tolerance, diagonal);
   gates.push_back(inversion_gate(quality));
-  return {std::move(fit),   std::move(mesh),      std::move(quality),
-          spacing,          std::move(deviation), std::move(patches),
-          std::move(gates), fit_seconds,          seconds_since(volume_start)};
+  return {.fit = std::move(fit),
+          .mesh = std::move(mesh),
+          .quality = std::move(quality),
+          .spacing = spacing,
+          .normals = normals,
+          .deviation = std::move(deviation),
+          .patches = std::move(patches),
+          .gates = std::move(gates),
+          .fit_seconds = fit_seconds,
+          .volume_seconds = seconds_since(volume_start)};
 }
 
 }  // namespace flowcage

@@ -11,6 +11,7 @@
 #include "core/refit/fit_surface.hpp"
 #include "core/target/target_surface.hpp"
 #include "core/volume/wall_lines.hpp"
+#include "core/volume/wall_normals.hpp"
 
 namespace flowcage {
 
@@ -69,6 +70,7 @@ struct VolumeResult {
   BlockMesh mesh;
   QualityReport quality;
   SpacingReport spacing;
+  NormalReport normals;
   std::vector<double>
       deviation;  ///< #points; of the fitted surface from the CAD at wall points, metres, else 0
   std::vector<PatchSummary> patches;
