@@ -142,7 +142,7 @@ void mend(BlockMesh& mesh, Progress& progress) {
 // The blocks at the last level: refined in 3-D, the wall following the fitted control points at each level,
 // finally limit points (on the CAD if asked) on the wall and the outer surface's own limit outside.
 BlockMesh refine_to_fit(const Shell& shell, const VolumeSettings& settings, const SurfaceFit& fit,
-                        Progress& progress) {
+                        bool mend_each_level, Progress& progress) {
   const int last = static_cast<int>(fit.levels.size()) - 1;
   BlockMesh mesh =
       start_volume(shell, fit.levels[shell.cage_level].control_points, layers_at_start(shell, settings, fit));
@@ -152,7 +152,7 @@ BlockMesh refine_to_fit(const Shell& shell, const VolumeSettings& settings, cons
     mesh = refine_volume(mesh);
     const std::vector<Vec3> outer = outer_points(shell, level - shell.cage_level, false);
     place_boundary(mesh, shell, fit.levels[level].topology, {fit.levels[level].control_points, outer});
-    mend(mesh, progress);
+    if (mend_each_level) mend(mesh, progress);
   }
   const SurfaceLevel& top = fit.levels[last].topology;
   std::vector<Vec3> wall = limit_points(fit.levels[last]);
@@ -160,6 +160,27 @@ BlockMesh refine_to_fit(const Shell& shell, const VolumeSettings& settings, cons
   const std::vector<Vec3> outer = outer_points(shell, last - shell.cage_level, true);
   place_boundary(mesh, shell, top, {wall, outer});
   return mesh;
+}
+
+struct SpacedMesh {
+  BlockMesh mesh;
+  SpacingReport spacing;
+  NormalReport normals;
+  HexValidity validity;
+};
+
+// The blocks at the last level with their points spread along lines that leave the wall along its normals.
+SpacedMesh make_spaced_mesh(const Shell& shell, const VolumeSettings& settings, const SurfaceFit& fit,
+                            bool mend_each_level, Progress& progress) {
+  SpacedMesh result{refine_to_fit(shell, settings, fit, mend_each_level, progress), {}, {}, {}};
+  progress.step("spacing", 0);
+  respace_lines(result.mesh, shell, settings.spacing);
+  result.normals = turn_lines_to_wall(result.mesh, shell, {});
+  progress.step("spacing", 0.5);
+  result.spacing = respace_lines(result.mesh, shell, settings.spacing);
+  if (mend_each_level) mend(result.mesh, progress);
+  result.validity = hex_validity(result.mesh);
+  return result;
 }
 
 std::vector<PatchSummary> summarise_patches(const BlockMesh& mesh, const Shell& shell,
@@ -242,11 +263,13 @@ VolumeResult make_volume(const Cage& cage, const TargetSurface& target, const Vo
   const double fit_seconds = seconds_since(fit_start);
 
   const auto volume_start = Clock::now();
-  BlockMesh mesh = refine_to_fit(shell, settings, fit, progress);
-  respace_lines(mesh, shell, settings.spacing);
-  const NormalReport normals = turn_lines_to_wall(mesh, shell, {});
-  const SpacingReport spacing = respace_lines(mesh, shell, settings.spacing);
-  mend(mesh, progress);
+  // Most meshes are valid as they come; mending every level costs minutes and is kept for those that are not.
+  SpacedMesh spaced = make_spaced_mesh(shell, settings, fit, false, progress);
+  if (spaced.validity.inverted > 0) {
+    SpacedMesh mended = make_spaced_mesh(shell, settings, fit, true, progress);
+    if (mended.validity.inverted < spaced.validity.inverted) spaced = std::move(mended);
+  }
+  BlockMesh& mesh = spaced.mesh;
 
   progress.step("quality", 0);
   const FittedLevel& last = fit.levels.back();
@@ -262,8 +285,8 @@ VolumeResult make_volume(const Cage& cage, const TargetSurface& target, const Vo
   return {.fit = std::move(fit),
           .mesh = std::move(mesh),
           .quality = std::move(quality),
-          .spacing = spacing,
-          .normals = normals,
+          .spacing = spaced.spacing,
+          .normals = spaced.normals,
           .deviation = std::move(deviation),
           .patches = std::move(patches),
           .gates = std::move(gates),
