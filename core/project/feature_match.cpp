@@ -238,6 +238,70 @@ std::vector<double> monotone_slopes(const std::vector<double>& s, bool closed) {
   return m;
 }
 
+/// Fills w, slope and the table of a match whose places s are final.
+void weigh_places(const TargetSurface& target, bool closed, double kink_angle, ChainMatch& match) {
+  constexpr std::size_t steps_per_segment = 256;
+  const std::size_t segments = match.s.size() - 1;
+  const std::size_t n = steps_per_segment * segments;
+  const double first = match.s.front();
+  const double step = (match.s.back() - first) / static_cast<double>(n);
+  const double edge = step * steps_per_segment;
+  std::vector<Vec3> tangents(n + 1);
+  for (std::size_t i = 0; i <= n; ++i) {
+    match.table_s.push_back(first + step * static_cast<double>(i));
+    tangents[i] = point_on_path(target, match.path, match.table_s[i]).tangent;
+  }
+  // Curvature per step; a joint where the path turns a corner is no curvature.
+  std::vector<double> curvature(n);
+  for (std::size_t i = 0; i < n; ++i) curvature[i] = (tangents[i + 1] - tangents[i]).norm() / step;
+  for (const double kink : kinks_of(target, match.path, kink_angle)) {
+    const double from_first = closed ? wrapped(match.path, kink - first) : kink - first;
+    const Offset at = static_cast<Offset>(std::floor(from_first / step));
+    for (Offset i = std::max<Offset>(at - 1, 0); i <= std::min<Offset>(at + 1, static_cast<Offset>(n) - 1);
+         ++i) {
+      curvature[i] = 0;
+    }
+  }
+  std::vector<double> density(n + 1, 1.0);
+  for (std::size_t i = 0; i <= n; ++i) {
+    const double before = i > 0 ? curvature[i - 1] : (closed ? curvature[n - 1] : curvature[0]);
+    const double after = i < n ? curvature[i] : (closed ? curvature[0] : curvature[n - 1]);
+    density[i] += std::pow(0.5 * (before + after) * edge, 0.75);
+  }
+  // Twice a running mean over a thirtieth of an edge: jumps of curvature must not become kinks of s(t).
+  for (int pass = 0; pass < 2; ++pass) {
+    constexpr Offset half = 4;
+    std::vector<double> smooth(n + 1);
+    for (Offset i = 0; i <= static_cast<Offset>(n); ++i) {
+      double sum = 0;
+      for (Offset k = i - half; k <= i + half; ++k) {
+        Offset at = k;
+        if (closed) {
+          at = (k + static_cast<Offset>(n)) % static_cast<Offset>(n);
+        } else if (k < 0 || k > static_cast<Offset>(n)) {
+          at = k < 0 ? -k : 2 * static_cast<Offset>(n) - k;
+        }
+        sum += density[at];
+      }
+      smooth[i] = sum / (2 * half + 1);
+    }
+    density = std::move(smooth);
+  }
+  match.table_w.push_back(0);
+  for (std::size_t i = 1; i <= n; ++i) {
+    match.table_w.push_back(match.table_w.back() + 0.5 * step * (density[i - 1] + density[i]));
+  }
+  match.table_density = std::move(density);
+  for (const double s : match.s) {
+    const double x = std::clamp((s - first) / step, 0.0, static_cast<double>(n));
+    const std::size_t i = std::min(static_cast<std::size_t>(x), n - 1);
+    const double part = x - static_cast<double>(i);
+    const double d = match.table_density[i];
+    match.w.push_back(match.table_w[i] + step * part * (d + 0.5 * part * (match.table_density[i + 1] - d)));
+  }
+  match.slope = monotone_slopes(match.w, closed);
+}
+
 struct Attempt {
   Index chain = no_index;
   MatchedRun run;
@@ -258,12 +322,21 @@ Index chain_on_path(const FeaturePath& path, double s) {
 }
 
 double parameter_at(const ChainMatch& match, double t) {
-  const std::size_t n = match.s.size() - 1;
+  const std::size_t n = match.w.size() - 1;
   const std::size_t i = std::min(static_cast<std::size_t>(std::max(t, 0.0)), n - 1);
   const double x = t - static_cast<double>(i);
   const double y = 1 - x;
-  return match.s[i] * y * y * (1 + 2 * x) + match.s[i + 1] * x * x * (1 + 2 * y) +
-         match.slope[i] * x * y * y - match.slope[i + 1] * x * x * y;
+  const double w = match.w[i] * y * y * (1 + 2 * x) + match.w[i + 1] * x * x * (1 + 2 * y) +
+                   match.slope[i] * x * y * y - match.slope[i + 1] * x * x * y;
+  // s from w: within a step of the table the density is linear, so w is a quadratic of s.
+  const std::vector<double>& table = match.table_w;
+  const auto above = std::upper_bound(table.begin() + 1, table.end() - 1, w);
+  const std::size_t k = static_cast<std::size_t>(above - table.begin()) - 1;
+  const double step = match.table_s[k + 1] - match.table_s[k];
+  const double d = match.table_density[k];
+  const double growth = (match.table_density[k + 1] - d) / step;
+  const double rest = std::max(0.0, w - table[k]);
+  return match.table_s[k] + 2 * rest / (d + std::sqrt(std::max(d * d + 2 * growth * rest, 0.0)));
 }
 
 FeatureMatch match_features(const SurfaceLevel& level, std::span<const Vec3> points,
@@ -360,7 +433,7 @@ FeatureMatch match_features(const SurfaceLevel& level, std::span<const Vec3> poi
           "the crease turns a corner of the CAD at {}: tag that vertex of the cage as a corner", place(at)));
     }
     relax_places(target, query_of(chain, points, scales), pinned, match);
-    match.slope = monotone_slopes(match.s, chain.closed);
+    weigh_places(target, chain.closed, angle, match);
   };
 
   // Best first; a run that meets a taken one is sought again without it.

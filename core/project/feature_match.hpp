@@ -34,14 +34,20 @@ Index chain_on_path(const FeaturePath& path, double s);
 struct ChainMatch {
   bool matched = false;
   FeaturePath path;
-  std::vector<double> s;      ///< #segments + 1, ascending path lengths; the last is the total on a loop
-                              ///< plus the first
-  std::vector<double> slope;  ///< #segments + 1: ds/dt at them, t the vertex number
-  double cost = 0;            ///< root mean square distance in mean edge lengths of the chain
+  std::vector<double> s;  ///< #segments + 1, ascending path lengths of the chain's vertices; on a loop the
+                          ///< last is the first plus the path's length
+  double cost = 0;        ///< root mean square distance in mean edge lengths of the chain
+  /// Between the vertices places follow w, the path length weighted with w'(s) = 1 + (curvature x mean edge
+  /// length)^(3/4): a cubic spline of spacing h misses a curve by about h^4 times its fourth derivative,
+  /// which grows as the third power of the curvature, so even steps of w share the error evenly (de Boor
+  /// 1974). A leading edge gets points this way.
+  std::vector<double> w;                                ///< #segments + 1
+  std::vector<double> slope;                            ///< #segments + 1: dw/dt, t the vertex number
+  std::vector<double> table_s, table_w, table_density;  ///< w(s) and w'(s), ascending, from s.front() on
 };
 
-/// Path length at t in [0, #segments] (t the position along the chain in cage edges): a monotone cubic, C2
-/// where monotony allows, so that the fitted curve keeps its order.
+/// Path length at t in [0, #segments] (t the position along the chain in cage edges): w is a monotone cubic
+/// of t, C2 where monotony allows, so that the fitted curve keeps its order.
 double parameter_at(const ChainMatch& match, double t);
 
 struct FeatureMatchSettings {

@@ -7,6 +7,7 @@
 #include "core/target/analytic_surfaces.hpp"
 #include "tests/catch.hpp"
 #include "tests/refit/hand_drawn_cages.hpp"
+#include "tests/refit/patch_target.hpp"
 
 using namespace flowcage;
 using namespace flowcage::test;
@@ -104,7 +105,8 @@ TEST_CASE("rims are followed once round, evenly", "[match]") {
     CHECK(chain.path.length() == Approx(2 * std::numbers::pi).epsilon(1e-12));
     for (std::size_t k = 0; k < 8; ++k) {
       CHECK(chain.s[k + 1] - chain.s[k] == Approx(std::numbers::pi / 4).epsilon(1e-6));
-      CHECK(chain.slope[k] == Approx(std::numbers::pi / 4).epsilon(1e-6));
+      const double middle = parameter_at(chain, static_cast<double>(k) + 0.5);
+      CHECK(middle == Approx(0.5 * (chain.s[k] + chain.s[k + 1])).epsilon(1e-9));
       const Vec3 place = point_on_path(*target, chain.path, chain.s[k]).position;
       const Vec3 drawn = cylinder_cage(1, 1).points[m.chains[c].vertices[k]];
       CHECK((place - drawn).norm() < 1e-4);
@@ -176,10 +178,30 @@ TEST_CASE("a crease far from every sharp edge stays unmatched", "[match]") {
 TEST_CASE("places along a chain are monotone and smooth", "[match]") {
   ChainMatch match;
   match.path.offsets = {0, 10};
-  match.s = {0, 1, 3, 6, 10};  // quadratic: second differences constant
+  match.w = match.s = {0, 1, 3, 6, 10};  // quadratic: second differences constant
   match.slope = {0.5, 1.5, 2.5, 3.5, 4.5};
+  match.table_w = match.table_s = {0, 5, 10};
+  match.table_density = {1, 1, 1};
   for (double t = 0; t <= 4; t += 0.125)
     CHECK(parameter_at(match, t) == Approx(t * (t + 1) / 2).margin(1e-12));
+}
+
+TEST_CASE("points gather where a path is curved, and return the vertices' places", "[match]") {
+  // A chain along a sheet's straight side has even steps; round a NACA section they shrink at the nose.
+  const WingCageShape wing;
+  const auto target = wing_target(wing, TipShape::flat);
+  const Cage cage = wing_cage(wing);
+  const Matched m = matched(cage, *target);
+  for (std::size_t c = 0; c < m.chains.size(); ++c) {
+    const ChainMatch& chain = m.match.chains[c];
+    REQUIRE(chain.matched);
+    const Index n = m.chains[c].segment_count();
+    for (Index k = 0; k <= n; ++k) CHECK(parameter_at(chain, k) == Approx(chain.s[k]).margin(1e-12));
+    if (n < 6) continue;
+    const double at_nose = parameter_at(chain, 3.05) - parameter_at(chain, 2.95);
+    const double behind = parameter_at(chain, 4.05) - parameter_at(chain, 3.95);
+    CHECK(at_nose < 0.4 * behind);
+  }
 }
 
 TEST_CASE("on a thin body a limit point beyond the middle still goes to its own side", "[projection]") {

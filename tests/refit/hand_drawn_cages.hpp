@@ -121,7 +121,7 @@ inline double naca_half_thickness(double x, double thickness, double half_base) 
 inline Cage wing_cage(const WingCageShape& wing) {
   Cage cage = empty_cage();
   const bool blunt = wing.half_base > 0;
-  // Round the section, upper side first: (lower trailing edge,) then as seen from +y.
+  // Round the section from the upper trailing edge over the leading edge to the lower side.
   struct Station {
     double x, side;
   };
@@ -142,7 +142,7 @@ inline Cage wing_cage(const WingCageShape& wing) {
   for (Index r = 0; r + 1 < rings; ++r) {
     for (Index i = 0; i < n; ++i) {
       const Index j = (i + 1) % n;
-      add_face(cage, {n * r + i, n * r + j, n * (r + 1) + j, n * (r + 1) + i});
+      add_face(cage, {n * r + i, n * (r + 1) + i, n * (r + 1) + j, n * r + j});
     }
     add_crease(cage, n * r, n * (r + 1));
     if (blunt) add_crease(cage, n * r + n - 1, n * (r + 1) + n - 1);
@@ -154,14 +154,14 @@ inline Cage wing_cage(const WingCageShape& wing) {
   const Index back = front + 1;
   cage.points.push_back(at(1, 0.6, 0));
   if (blunt) {
-    add_face(cage, {tip, tip + 1, back, tip + 5, tip + 6});
+    add_face(cage, {tip + 6, tip + 5, back, tip + 1, tip});
   } else {
-    add_face(cage, {tip, tip + 1, back, tip + 5});
+    add_face(cage, {tip + 5, back, tip + 1, tip});
   }
-  add_face(cage, {tip + 1, tip + 2, front, back});
-  add_face(cage, {tip + 4, tip + 5, back, front});
-  add_face(cage, {tip + 2, tip + 3, front});
-  add_face(cage, {tip + 3, tip + 4, front});
+  add_face(cage, {back, front, tip + 2, tip + 1});
+  add_face(cage, {front, back, tip + 5, tip + 4});
+  add_face(cage, {front, tip + 3, tip + 2});
+  add_face(cage, {front, tip + 4, tip + 3});
   return cage;
 }
 
