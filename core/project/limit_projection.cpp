@@ -49,32 +49,61 @@ std::vector<SurfacePoint> project_limit_points(const TargetSurface& target, cons
     }
   }
 
-  // Along the limit normal and, beside it, the nearest compatible point.
+  const auto ask = [&](const std::vector<Index>& chosen, const auto& query, std::vector<SurfacePoint>& out) {
+    for_each_reach(chosen, queries.lengths, settings.reach, [&](std::span<const Index> some, double reach) {
+      std::vector<Vec3> points, normals;
+      for (const Index i : some) {
+        points.push_back(queries.points[i]);
+        normals.push_back(queries.normals[i]);
+      }
+      std::vector<SurfacePoint> found(some.size());
+      query(points, normals, reach, found);
+      for (std::size_t k = 0; k < some.size(); ++k) {
+        const double exact_reach = settings.reach * queries.lengths[some[k]];
+        if (found[k].status != FootStatus::failed && found[k].distance <= exact_reach)
+          out[some[k]] = found[k];
+      }
+    });
+  };
+
+  // Along the limit normal. A line that grazes the target travels far past the nearest compatible point: then
+  // that one is right. No compatible point is nearer than the nearest of all, so most hits need no
+  // comparison.
   std::vector<SurfacePoint> hit(count);
-  std::vector<SurfacePoint> compatible(count);
-  for_each_reach(open, queries.lengths, settings.reach, [&](std::span<const Index> some, double reach) {
-    std::vector<Vec3> points, normals;
-    for (const Index i : some) {
-      points.push_back(queries.points[i]);
-      normals.push_back(queries.normals[i]);
-    }
-    std::vector<SurfacePoint> found(some.size());
-    target.intersect_lines(points, normals, settings.min_cosine, reach, found);
-    for (std::size_t k = 0; k < some.size(); ++k) hit[some[k]] = found[k];
-    target.closest_compatible(points, normals, settings.min_cosine, reach, found);
-    for (std::size_t k = 0; k < some.size(); ++k) compatible[some[k]] = found[k];
-  });
+  ask(
+      open,
+      [&](const auto& points, const auto& normals, double reach, auto& found) {
+        target.intersect_lines(points, normals, settings.min_cosine, reach, found);
+      },
+      hit);
+  constexpr double grazing = 2;
+  std::vector<Index> doubtful;
   for (const Index i : open) {
-    const double reach = settings.reach * queries.lengths[i];
-    const auto within = [&](const SurfacePoint& p) {
-      return p.status != FootStatus::failed && p.distance <= reach;
-    };
-    // A line that grazes the target travels far past the nearest compatible point: then that one is right.
-    if (within(hit[i]) && (!within(compatible[i]) || hit[i].distance <= 2 * compatible[i].distance)) {
+    const bool sure = hit[i].status != FootStatus::failed && nearest[i].status != FootStatus::failed &&
+                      hit[i].distance <= grazing * nearest[i].distance;
+    if (sure) {
       result[i] = hit[i];
-    } else if (within(compatible[i])) {
+    } else {
+      doubtful.push_back(i);
+    }
+  }
+  std::vector<SurfacePoint> compatible(count);
+  ask(
+      doubtful,
+      [&](const auto& points, const auto& normals, double reach, auto& found) {
+        target.closest_compatible(points, normals, settings.min_cosine, reach, found);
+      },
+      compatible);
+  for (const Index i : doubtful) {
+    const bool has_hit = hit[i].status != FootStatus::failed;
+    const bool has_compatible = compatible[i].status != FootStatus::failed;
+    if (has_hit && (!has_compatible || hit[i].distance <= grazing * compatible[i].distance)) {
+      result[i] = hit[i];
+    } else if (has_compatible) {
       result[i] = compatible[i];
-    } else if (within(nearest[i]) && queries.normals[i].dot(nearest[i].normal) > 0) {
+    } else if (nearest[i].status != FootStatus::failed &&
+               nearest[i].distance <= settings.reach * queries.lengths[i] &&
+               queries.normals[i].dot(nearest[i].normal) > 0) {
       result[i] = nearest[i];
     }
   }

@@ -87,6 +87,8 @@ CglsResult solve_cgls(const LeastSquaresMatrix& matrix, std::span<const Vec3> ri
   const double damping2 = settings.damping * settings.damping;
 
   std::vector<Vec3> r = apply_stencils(matrix.rows, start);
+  // A gradient below the rounding of its own terms is noise: steps along it would wander off without bound.
+  const double terms = squared_norm(right_side) + squared_norm(r);
   for (std::size_t i = 0; i < r.size(); ++i) r[i] = right_side[i] - r[i];
   weigh(metric, r);
 
@@ -102,14 +104,15 @@ CglsResult solve_cgls(const LeastSquaresMatrix& matrix, std::span<const Vec3> ri
   std::vector<Vec3> g = negative_gradient();
   std::vector<Vec3> p = g;
   double gamma = squared_norm(g);
-  const double stop = settings.tolerance * settings.tolerance * gamma;
+  const double stop = std::max(settings.tolerance * settings.tolerance * gamma, 1e-31 * terms);
   std::vector<Vec3> step(static_cast<std::size_t>(columns));
-  while (result.iterations < settings.max_iterations && gamma > stop && gamma > 0) {
+  while (result.iterations < settings.max_iterations && gamma > stop) {
     for (Index c = 0; c < columns; ++c) step[c] = scale[c] * p[c];
     std::vector<Vec3> q = apply_stencils(matrix.rows, step);
     weigh(metric, q);
     const double curvature = squared_norm(q) + damping2 * squared_norm(step);
-    if (!(curvature > 0) || !std::isfinite(curvature)) break;
+    // The largest eigenvalue is of order 1 (unit columns): a direction like this is in the null space.
+    if (!(curvature > 1e-20 * squared_norm(p)) || !std::isfinite(curvature)) break;
     const double alpha = gamma / curvature;
     for (Index c = 0; c < columns; ++c) y[c] += alpha * p[c];
     for (std::size_t i = 0; i < r.size(); ++i) r[i] -= alpha * q[i];

@@ -41,6 +41,30 @@ struct Pass {
   double score() const { return rms + 0.05 * max; }
 };
 
+/// project_limit_points for the samples that have no place on a feature; the others stay `failed`.
+std::vector<SurfacePoint> project_samples(const LevelSystem& level, const TargetSurface& target,
+                                          std::span<const Vec3> queries, const LimitState& limit,
+                                          std::span<const SurfacePoint> hints,
+                                          const LimitProjectionSettings& settings = {}) {
+  std::vector<Index> chosen;
+  std::vector<Vec3> points, normals;
+  std::vector<double> lengths;
+  std::vector<SurfacePoint> known;
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    if (level.kind[i] == SampleKind::chain || level.kind[i] == SampleKind::fixed) continue;
+    chosen.push_back(static_cast<Index>(i));
+    points.push_back(queries[i]);
+    normals.push_back(limit.normals[i]);
+    lengths.push_back(limit.lengths[i]);
+    if (!hints.empty()) known.push_back(hints[i]);
+  }
+  const std::vector<SurfacePoint> feet =
+      project_limit_points(target, {points, normals, lengths, known}, settings);
+  std::vector<SurfacePoint> all(queries.size());
+  for (std::size_t k = 0; k < chosen.size(); ++k) all[chosen[k]] = feet[k];
+  return all;
+}
+
 Pass evaluate(const LevelSystem& level, const TargetSurface& target, std::vector<Vec3> control_points,
               double relaxation, std::span<const SurfacePoint> hints) {
   Pass pass;
@@ -52,7 +76,7 @@ Pass evaluate(const LevelSystem& level, const TargetSurface& target, std::vector
     const std::vector<Vec3> moves = tangential_relaxation(level, pass.limit, relaxation);
     for (std::size_t i = 0; i < count; ++i) queries[i] += moves[i];
   }
-  pass.feet = project_limit_points(target, {queries, pass.limit.normals, pass.limit.lengths, hints});
+  pass.feet = project_samples(level, target, queries, pass.limit, hints);
   pass.targets.resize(count);
   std::vector<Vec3> target_normals(count, Vec3::Zero());
   double sum = 0;
@@ -125,10 +149,8 @@ class LevelFit {
     const std::size_t vertices = cage_points.size();
     LimitProjectionSettings projection;
     projection.reach = 3;
-    const std::vector<SurfacePoint> feet = project_limit_points(
-        target_,
-        {cage_points, std::span(limit.normals).first(vertices), std::span(limit.lengths).first(vertices), {}},
-        projection);
+    const std::vector<SurfacePoint> feet =
+        project_samples(level_, target_, cage_points, limit, {}, projection);
     std::vector<Vec3> targets = limit.points;
     for (std::size_t v = 0; v < vertices; ++v) {
       const bool feature = level_.kind[v] == SampleKind::fixed || level_.kind[v] == SampleKind::chain;
@@ -256,12 +278,8 @@ Deviation measure_deviation(const LevelSystem& next_level, std::span<const Vec3>
 std::vector<VertexTarget> vertex_targets(const LevelSystem& level, const FeatureMatch& match,
                                          const TargetSurface& target, const Pass& pass) {
   const Index vertices = level.topology.vertex_count();
-  std::vector<Vec3> points(pass.limit.points.begin(), pass.limit.points.begin() + vertices);
-  const std::vector<SurfacePoint> feet =
-      project_limit_points(target, {points,
-                                    std::span(pass.limit.normals).first(points.size()),
-                                    std::span(pass.limit.lengths).first(points.size()),
-                                    {}});
+  const std::span<const Vec3> points = std::span(pass.limit.points).first(static_cast<std::size_t>(vertices));
+  const std::vector<SurfacePoint> feet = project_samples(level, target, points, pass.limit, pass.feet);
   std::vector<VertexTarget> targets(points.size());
   for (Index v = 0; v < vertices; ++v) {
     VertexTarget& t = targets[v];

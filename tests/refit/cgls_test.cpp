@@ -116,6 +116,18 @@ TEST_CASE("damping keeps a singular system at its start, and an exact start cost
   CHECK((0.5 * (result.solution[0] + result.solution[1]) - right_side[0]).norm() < 1e-9);
   CHECK((result.solution[0] - result.solution[1] - (start[0] - start[1])).norm() < 1e-9);
 
+  // Iterating on rounding noise must not wander off: far from the origin, solved, then solved again.
+  const RandomSystem far = random_system(90, 25, 5, 5);
+  const LeastSquaresMatrix matrix = prepare_least_squares(far.rows);
+  const std::vector<Vec3> truth(25, Vec3(1000, -2000, 3000.1));
+  const std::vector<Vec3> exact = apply_stencils(far.rows, truth);
+  CglsSettings endless;
+  endless.max_iterations = 5000;
+  endless.tolerance = 1e-16;
+  CglsResult solved = solve_cgls(matrix, exact, truth, endless);
+  for (int round = 0; round < 3; ++round) solved = solve_cgls(matrix, exact, solved.solution, endless);
+  for (const Vec3& x : solved.solution) CHECK((x - truth[0]).norm() < 1e-8);
+
   const CglsResult again =
       solve_cgls(prepare_least_squares(rows), std::vector<Vec3>(3, Vec3(0.5, 0, 0.5)), start, settings);
   CHECK(again.iterations == 0);
