@@ -286,6 +286,7 @@ std::vector<ShellLine> shell_lines(const Shell& shell, const SurfaceLevel& level
     std::array<std::array<Index, 2>, 4> corners;
   };
   std::vector<Place> places;
+  places.reserve(shell.inner.face_count());
   for (Index f = 0; f < shell.inner.face_count(); ++f)
     places.push_back({f, {{{0, 0}, {1, 0}, {1, 1}, {0, 1}}}});
   for (int depth = shell.cage_level; depth < level.depth; ++depth) {

@@ -131,6 +131,30 @@ void place_boundary(BlockMesh& mesh, const Shell& shell, const SurfaceLevel& lev
   flatten_symmetry(mesh, shell);
 }
 
+Index layers_for_growth(const Shell& shell, int refinements, const LineSpacing& spacing, double growth) {
+  const auto median = [](std::vector<double> values) {
+    const auto middle = values.begin() + static_cast<long>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+  };
+  std::vector<double> lengths;
+  for (std::size_t v = 0; v < shell.inner_points.size(); ++v) {
+    lengths.push_back((shell.outer_points[v] - shell.inner_points[v]).norm());
+  }
+  std::vector<double> edges;
+  for (const auto& [a, b] : shell.inner.edge_vertices) {
+    edges.push_back((shell.inner_points[a] - shell.inner_points[b]).norm());
+  }
+  const Index cells = Index{1} << refinements;
+  const double first = spacing.first_height > 0 ? spacing.first_height : median(std::move(edges)) / cells;
+  const double length = median(std::move(lengths));
+  constexpr Index max_layers = 16;
+  for (Index layers = 1; layers < max_layers; ++layers) {
+    if (first * (2 + powers(growth, layers * cells - 2)) >= length) return layers;
+  }
+  return max_layers;
+}
+
 std::vector<double> geometric_cells(double length, Index count, const LineSpacing& spacing) {
   std::vector<double> cells(count, length / count);
   double first = spacing.first_height;

@@ -36,6 +36,12 @@ struct SpacingReport {
 /// the local wall cell size, smoothed over the wall in its logarithm, is the first height.
 SpacingReport respace_lines(BlockMesh& mesh, const Shell& shell, const LineSpacing& spacing);
 
+/// How many layers start_volume needs so that, after `refinements`, the cells of a typical line (median
+/// length, median wall cell or spacing.first_height) grow by at most `growth`: 1 to 16. With one layer the
+/// lines of a far field grow by 1.5 and more, which makes skewed cells.
+Index layers_for_growth(const Shell& shell, int refinements, const LineSpacing& spacing,
+                        double growth = 1.25);
+
 /// Lengths of `count` cells that fill `length`: the first two `first`, then a constant ratio; with `layers`
 /// the first that many cells grow by `growth` and the ratio holds for the rest. Where first * count exceeds
 /// the length: equal cells. Exposed for its tests.

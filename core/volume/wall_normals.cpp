@@ -59,40 +59,36 @@ class LineTurner {
     NormalReport report;
     std::tie(report.min_cosine_before, report.mean_cosine_before) = cosines();
     const std::vector<float> before = cell_values();
-    std::vector<double> weight(columns_.lines.size(), 0);
-    for (double reach = settings_.reach; reach > settings_.reach / 16 && report.reach == 0; reach /= 2) {
-      reach_ = reach * diagonal_;
-      if (settle(before, weight, report.passes)) report.reach = reach;
+    const double full = settings_.reach * diagonal_;
+    std::vector<double> reach(columns_.lines.size(), full);
+    std::vector<double> weight(columns_.lines.size(), 1);
+    bool settled = false;
+    for (; report.passes < settings_.max_passes && !settled; ++report.passes) {
+      place(weight, reach);
+      const std::vector<char> bad = bad_lines(before);
+      settled = std::find(bad.begin(), bad.end(), 1) == bad.end();
+      if (settled) break;
+      const bool early = report.passes < settings_.max_passes / 2;
+      for (std::size_t l = 0; l < bad.size(); ++l) {
+        if (bad[l] == 0) continue;
+        weight[l] *= early ? 0.67 : 0;
+        reach[l] *= 0.8;
+      }
+      bound_slope(reach, 0.5);
+      bound_slope(weight, 0.5 / full);
     }
-    if (report.reach == 0) {  // the lines as they were
+    if (!settled) {  // the lines as they were
       std::fill(weight.begin(), weight.end(), 0.0);
-      place(weight);
+      place(weight, reach);
     }
     flatten_symmetry(mesh_, shell_);
-    for (const double w : weight) report.mean_weight += w / static_cast<double>(weight.size());
+    for (std::size_t l = 0; l < reach.size(); ++l)
+      report.mean_reach += weight[l] * reach[l] / (static_cast<double>(reach.size()) * diagonal_);
     std::tie(report.min_cosine, report.mean_cosine) = cosines();
     return report;
   }
 
  private:
-  /// Cuts weights back until no cell loses too much.
-  bool settle(const std::vector<float>& before, std::vector<double>& weight, int& passes) {
-    std::vector<double> cap(columns_.lines.size(), 1);
-    weight = cap;
-    for (int pass = 0; pass < settings_.max_passes; ++pass, ++passes) {
-      place(weight);
-      const std::vector<char> bad = bad_lines(before);
-      if (std::find(bad.begin(), bad.end(), 1) == bad.end()) return true;
-      // A third of the weight a pass, in the second half all of it.
-      const double cut = 2 * pass < settings_.max_passes ? 0.67 : 0;
-      for (std::size_t l = 0; l < bad.size(); ++l) {
-        if (bad[l] != 0) cap[l] = cut * weight[l];
-      }
-      weight = smoothed(cap);
-    }
-    return false;
-  }
-
   Index point(const ShellLine& line, Index k) const {
     return mesh_.point_number(line.block, line.i, line.j, k);
   }
@@ -123,7 +119,7 @@ class LineTurner {
     }
   }
 
-  void place(const std::vector<double>& weight) {
+  void place(const std::vector<double>& weight, const std::vector<double>& reach) {
     std::vector<Vec3>& points = mesh_.mutable_points();
     parallel_for(static_cast<Offset>(columns_.lines.size()), 256, [&](Offset begin, Offset end) {
       for (Offset l = begin; l < end; ++l) {
@@ -135,7 +131,7 @@ class LineTurner {
         for (Index k = 1; k < columns_.layers; ++k) {
           const Index at = point(line, k);
           r += (start_[at] - start_[point(line, k - 1)]).norm();
-          const double ratio = r / reach_;
+          const double ratio = r / reach[l];
           points[at] = start_[at] + weight[l] * r / (1 + ratio * ratio) * (1 - r / length) * turn_[l];
         }
       }
@@ -176,25 +172,33 @@ class LineTurner {
     return bad;
   }
 
-  /// Weights below the caps that change gently from line to line.
-  std::vector<double> smoothed(const std::vector<double>& cap) const {
-    std::vector<double> weight = cap;
-    std::vector<double> sum(cap.size());
-    std::vector<double> count(cap.size());
-    for (int step = 0; step < 5; ++step) {
-      for (std::size_t l = 0; l < cap.size(); ++l) {
-        sum[l] = weight[l];
-        count[l] = 1;
+  /// Lowers values until neighbours differ by no more than slope times their distance. A point moves by at
+  /// most half of weight times reach, so with slopes of 0.5 (of weights: over the full reach) neighbouring
+  /// lines do not run into each other.
+  void bound_slope(std::vector<double>& value, double slope) const {
+    constexpr int max_sweeps = 200;
+    bool changed = true;
+    for (int sweep = 0; sweep < max_sweeps && changed; ++sweep) {
+      changed = false;
+      const auto relax = [&](const std::array<Index, 2>& edge) {
+        for (int side = 0; side < 2; ++side) {
+          const Index a = edge[side];
+          const Index b = edge[1 - side];
+          const double distance =
+              (start_[point(columns_.lines[a], 0)] - start_[point(columns_.lines[b], 0)]).norm();
+          const double bound = value[b] + slope * distance;
+          if (value[a] > bound * (1 + 1e-12)) {
+            value[a] = bound;
+            changed = true;
+          }
+        }
+      };
+      if (sweep % 2 == 0) {
+        for (const auto& edge : columns_.edges) relax(edge);
+      } else {
+        for (auto edge = columns_.edges.rbegin(); edge != columns_.edges.rend(); ++edge) relax(*edge);
       }
-      for (const auto& [a, b] : columns_.edges) {
-        sum[a] += weight[b];
-        sum[b] += weight[a];
-        ++count[a];
-        ++count[b];
-      }
-      for (std::size_t l = 0; l < cap.size(); ++l) weight[l] = std::min(cap[l], sum[l] / count[l]);
     }
-    return weight;
   }
 
   std::pair<double, double> cosines() const {
@@ -214,7 +218,7 @@ class LineTurner {
   const Shell& shell_;
   const NormalSettings& settings_;
   ShellColumns columns_;
-  double diagonal_ = 1, reach_ = 1;
+  double diagonal_ = 1;
   std::vector<Vec3> start_;  ///< all points as they were
   std::vector<Vec3> turn_;   ///< #lines, n - t
   std::vector<Vec3> normal_;
