@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/blocks/enclosure.hpp"
 #include "core/blocks/shell.hpp"
 #include "core/limit/evaluate.hpp"
 #include "core/limit/limit_stencils.hpp"
@@ -77,40 +78,42 @@ Cage as_cage(const SurfaceLevel& level, std::vector<Vec3> points, const Cage& li
   return mesh;
 }
 
-// Growth of the cells off the wall that the number of layers is chosen for where none is asked.
-constexpr double default_growth = 1.3;
+// Growth off the wall that the number of layers is chosen for where none is asked.
+constexpr double default_growth = 1.25;
 
-// Cells from wall to outer boundary at the coarsest level: as many as the wall's spacing needs to grow to the
-// outer boundary at the asked rate (two constant cells, then geometric), halved for each refinement to come.
-Index layers_at_start(const Shell& shell, const VolumeSettings& settings, const SurfaceFit& fit) {
-  const int last = static_cast<int>(fit.levels.size()) - 1;
-  const int refinements = last - shell.cage_level;
-  const FittedLevel& top = fit.levels[last];
-  double logarithms = 0;
-  for (const auto& edge : top.topology.edge_vertices) {
-    logarithms +=
-        std::log(std::max((top.control_points[edge[0]] - top.control_points[edge[1]]).norm(), 1e-300));
-  }
-  const double wall_size = std::exp(logarithms / top.topology.edge_count());
-  const bool asked = settings.spacing.first_height > 0;
-  const double first = asked ? settings.spacing.first_height : wall_size;
-  const double growth = asked ? settings.spacing.growth : default_growth;
-  double length = 0;
-  for (std::size_t v = 0; v < shell.inner_points.size(); ++v) {
-    length += (shell.outer_points[v] - shell.inner_points[v]).norm() /
-              static_cast<double>(shell.inner_points.size());
-  }
-  const double rest = std::max(0.0, length - 2 * first);
-  const double layers =
-      growth > 1 ? 2 + std::log1p(rest * (growth - 1) / (first * growth)) / std::log(growth) : length / first;
-  return static_cast<Index>(std::clamp(std::ceil(std::ldexp(layers, -refinements)), 1.0, 1000.0));
+Index layers_at_start(const Shell& shell, const LineSpacing& spacing, int level) {
+  const double growth = spacing.first_height > 0 ? spacing.growth : default_growth;
+  return layers_for_growth(shell, level - shell.cage_level, spacing, growth);
 }
 
 // The level whose number of cells is nearest to the wish, in ratio.
-int level_for_cells(const Shell& shell, Offset cells) {
-  const double blocks = static_cast<double>(shell.inner.face_count());
-  const double wish = std::log(static_cast<double>(cells) / blocks) / std::log(8.0);
-  return shell.cage_level + std::max(0, static_cast<int>(std::lround(wish)));
+int level_for_cells(const Shell& shell, const VolumeSettings& settings) {
+  constexpr int most_levels = 10;
+  const auto distance = [&](int level) {
+    const double cells =
+        std::ldexp(static_cast<double>(shell.inner.face_count()), 3 * (level - shell.cage_level)) *
+        layers_at_start(shell, settings.spacing, level);
+    return std::abs(std::log(cells / static_cast<double>(settings.cells)));
+  };
+  int best = shell.cage_level;
+  for (int level = best + 1; level <= most_levels; ++level) {
+    if (distance(level) < distance(best)) best = level;
+  }
+  return best;
+}
+
+// The outer polyhedron was seen to enclose the cage; subdivision draws both in. Throws Error(input) where the
+// outer limit surface does not enclose the fitted one.
+void require_enclosure(const Shell& shell, const SurfaceFit& fit, const std::string& outer_name) {
+  const int level = std::min(shell.cage_level + 1, static_cast<int>(fit.levels.size()) - 1);
+  const SurfaceLevel& topology = fit.levels[level].topology;
+  const std::vector<Vec3> inner = limit_points(fit.levels[level]);
+  const std::vector<Vec3> outer = outer_points(shell, level - shell.cage_level, true);
+  if (const auto defect = enclosure_defect({topology, inner}, {topology, outer}, shell.symmetry)) {
+    throw input_error(
+        outer_name, 0, "its limit surface does not enclose the body: " + *defect,
+        "draw the outer polyhedron larger: subdivision draws it in, by up to a third of its radius");
+  }
 }
 
 // Meshes up to this size are untangled as a whole, larger ones only round their bad cells.
@@ -144,8 +147,8 @@ void mend(BlockMesh& mesh, Progress& progress) {
 BlockMesh refine_to_fit(const Shell& shell, const VolumeSettings& settings, const SurfaceFit& fit,
                         bool mend_each_level, Progress& progress) {
   const int last = static_cast<int>(fit.levels.size()) - 1;
-  BlockMesh mesh =
-      start_volume(shell, fit.levels[shell.cage_level].control_points, layers_at_start(shell, settings, fit));
+  BlockMesh mesh = start_volume(shell, fit.levels[shell.cage_level].control_points,
+                                layers_at_start(shell, settings.spacing, last));
   for (int level = shell.cage_level + 1; level <= last; ++level) {
     progress.step("volume",
                   static_cast<double>(level - shell.cage_level - 1) / (last - shell.cage_level + 1));
@@ -255,12 +258,13 @@ VolumeResult make_volume(const Cage& cage, const TargetSurface& target, const Vo
   const Shell shell = settings.outer ? build_shell(cage, *settings.outer)
                                      : build_farfield_shell(cage, settings.farfield, target.bounds());
   FitSettings fit_settings = settings.fit;
-  if (settings.cells > 0) fit_settings.levels = level_for_cells(shell, settings.cells);
+  if (settings.cells > 0) fit_settings.levels = level_for_cells(shell, settings);
   fit_settings.levels = std::max(fit_settings.levels, shell.cage_level);
 
   const auto fit_start = Clock::now();
   SurfaceFit fit = fit_surface(cage, target, fit_settings, progress);
   const double fit_seconds = seconds_since(fit_start);
+  if (settings.outer) require_enclosure(shell, fit, settings.outer->source);
 
   const auto volume_start = Clock::now();
   // Most meshes are valid as they come; mending every level costs minutes and is kept for those that are not.

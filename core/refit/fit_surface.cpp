@@ -248,8 +248,8 @@ class LevelFit {
   std::string stopped_because_;
 };
 
-/// Distance from limit points that were not fitted to the target: of the next level's samples, those at
-/// edges' and faces' midpoints (four and more in each face of this level).
+/// Distance from the limit surface to the target at the next level's samples: those that were fitted (its
+/// vertices) and, four times as many, those that were not.
 struct Deviation {
   double max = 0, rms = 0;
   Vec3 worst_place = Vec3::Zero();
@@ -258,17 +258,15 @@ struct Deviation {
 Deviation measure_deviation(const LevelSystem& next_level, std::span<const Vec3> next_points,
                             const TargetSurface& target) {
   const std::vector<Vec3> limits = apply_stencils(next_level.samples.position, next_points);
-  const std::size_t first = static_cast<std::size_t>(next_level.topology.vertex_count());
-  const std::span<const Vec3> unfitted = std::span(limits).subspan(first);
-  std::vector<SurfacePoint> nearest(unfitted.size());
-  target.closest_points(unfitted, {}, nearest);
+  std::vector<SurfacePoint> nearest(limits.size());
+  target.closest_points(limits, {}, nearest);
   Deviation result;
   double sum = 0;
   for (std::size_t i = 0; i < nearest.size(); ++i) {
     sum += nearest[i].distance * nearest[i].distance;
     if (nearest[i].distance > result.max) {
       result.max = nearest[i].distance;
-      result.worst_place = unfitted[i];
+      result.worst_place = limits[i];
     }
   }
   result.rms = std::sqrt(sum / static_cast<double>(std::max<std::size_t>(nearest.size(), 1)));
