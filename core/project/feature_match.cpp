@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
+#include <tuple>
 
 #include "core/base/error.hpp"
 #include "core/project/feature_graph_samples.hpp"
@@ -370,8 +372,8 @@ FeatureMatch match_features(const SurfaceLevel& level, std::span<const Vec3> poi
 
   GraphFilter filter;
   filter.used.assign(static_cast<std::size_t>(graph.piece_count), false);
-  std::vector<Index> open_chains;
-  for (Index c = 0; c < static_cast<Index>(chains.size()); ++c) open_chains.push_back(c);
+  std::vector<Index> open_chains(chains.size());
+  std::iota(open_chains.begin(), open_chains.end(), 0);
 
   const auto attempt = [&](Index c, bool other_kind) {
     const CreaseChain& chain = chains[c];
@@ -439,6 +441,7 @@ FeatureMatch match_features(const SurfaceLevel& level, std::span<const Vec3> poi
   // Best first; a run that meets a taken one is sought again without it.
   for (const bool other_kind : {false, true}) {
     std::vector<Attempt> attempts;
+    attempts.reserve(open_chains.size());
     for (const Index c : open_chains) attempts.push_back({c, attempt(c, other_kind)});
     std::vector<Index> failed;
     while (!attempts.empty()) {

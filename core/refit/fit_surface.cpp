@@ -311,6 +311,7 @@ std::vector<VertexTarget> vertex_targets(const LevelSystem& level, const Feature
 std::vector<CreaseChain> child_chains(const std::vector<CreaseChain>& chains, const SurfaceLevel& parent,
                                       const SurfaceLevel& child) {
   std::vector<CreaseChain> result;
+  result.reserve(chains.size());
   for (const CreaseChain& chain : chains) result.push_back(child_chain(chain, parent, child));
   return result;
 }
