@@ -85,7 +85,7 @@ TEST_CASE("mesh: the same bytes on any number of threads, a case that quality re
   for (const char* mesh : {"case1", "1.vtu"}) {
     const ProgramRun quality = run_flowcage({"quality", mesh}, {.folder = folder.path()});
     CHECK(quality.exit_code == 0);
-    CHECK_THAT(quality.out, contains_text("cells     384\n"));  // 6 faces, 2 levels: 6 * 8^2
+    CHECK_THAT(quality.out, contains_text("cells     1920\n"));  // 6 faces, 2 levels, 5 layers: 6 * 8^2 * 5
     CHECK_THAT(quality.out, contains_text("inverted  0\n"));
     CHECK_THAT(quality.out, contains_text("Mesh OK"));
     CHECK_THAT(quality.out, contains_text("ball"));
