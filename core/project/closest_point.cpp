@@ -26,7 +26,7 @@ struct Box {
 Vec2 minimise_in_box(const Model& m, const Box& box) {
   const double det = m.a * m.c - m.b * m.b;
   if (m.a > 0 && m.c > 0 && det > 1e-14 * m.a * m.c) {
-    const Vec2 d(-(m.c * m.g.x() - m.b * m.g.y()) / det, -(m.a * m.g.y() - m.b * m.g.x()) / det);
+    Vec2 d(-(m.c * m.g.x() - m.b * m.g.y()) / det, -(m.a * m.g.y() - m.b * m.g.x()) / det);
     if ((d.array() >= box.low.array()).all() && (d.array() <= box.high.array()).all()) return d;
   }
   const auto best_along = [](double slope, double curvature, double low, double high) {

@@ -176,7 +176,8 @@ Vec2 clear_point(const FaceOutline& outline) {
   double clearance = -1;
   const Vec2 scale = outline.window.sizes().cwiseInverse();
   for (int i = 0; i < grid * grid; ++i) {
-    const Vec2 fraction((i % grid + 0.5137) / grid, (i / grid + 0.4871) / grid);
+    const int row = i / grid, column = i % grid;
+    const Vec2 fraction((column + 0.5137) / grid, (row + 0.4871) / grid);
     const Vec2 p = outline.window.min() + fraction.cwiseProduct(outline.window.sizes());
     double nearest = std::numeric_limits<double>::infinity();
     for (const TrimSegment& s : outline.segments) {

@@ -293,16 +293,13 @@ class ClosestSearch {
     const double t = point.uv.x();
     const BorderCurve& curve = parts_.curves[static_cast<std::size_t>(point.uv.y())];
     const Vec3 toward = query_ - point.position;
-    double best = -infinity;
+    double best = -1;
     SurfacePoint chosen = point;
     for (const CurveSide& side : curve.sides) {
       SurfacePoint candidate = point;
       set_side(side, t, candidate);
       const double facing = std::abs(candidate.normal.dot(toward));
-      if (facing > best * (1 + 1e-9) + 1e-300) {
-        best = facing;
-        chosen = candidate;
-      } else if (best == -infinity) {
+      if (facing > best * (1 + 1e-9)) {  // equal within rounding: the lower face number
         best = facing;
         chosen = candidate;
       }

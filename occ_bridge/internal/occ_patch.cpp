@@ -78,7 +78,6 @@ class OccPatch final : public BoundedPatch {
     }
     const Vec2 sizes = box.sizes();
     const double safety = elementary_ ? 1.1 : 2.0;
-    // Over more than a quarter turn nine samples may miss the largest cosine.
     return safety / 8 * Vec2(sizes.x() * sizes.x() * uu, sizes.y() * sizes.y() * vv);
   }
 
@@ -90,7 +89,7 @@ class OccPatch final : public BoundedPatch {
 };
 
 /// The B-spline's arrays; null where the surface's own parameters cannot be kept.
-std::shared_ptr<const BSplineSurface> read_bspline(Handle(Geom_BSplineSurface) source,
+std::shared_ptr<const BSplineSurface> read_bspline(const Handle(Geom_BSplineSurface) & source,
                                                    const Eigen::AlignedBox2d& window) {
   Handle(Geom_BSplineSurface) s = Handle(Geom_BSplineSurface)::DownCast(source->Copy());
   if (s->IsUPeriodic()) s->SetUNotPeriodic();

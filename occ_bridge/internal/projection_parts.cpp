@@ -98,7 +98,8 @@ void add_face(const TopoDS_Face& oriented, Index number, ProjectionParts& parts)
     const Eigen::AlignedBox2d box = patch->domain();
     Box3 corners;
     for (int i = 0; i < 25; ++i) {
-      const Vec2 fraction(0.25 * (i % 5), 0.25 * (i / 5));
+      const int row = i / 5, column = i % 5;
+      const Vec2 fraction(0.25 * column, 0.25 * row);
       const Vec3 p = patch->first(box.min() + fraction.cwiseProduct(box.sizes())).position;
       if (!p.allFinite()) throw Error(ErrorKind::input, "a surface is not finite", "repair the CAD");
       corners.extend(p);
@@ -207,6 +208,40 @@ void add_edge(const TopoDS_Edge& edge, const std::vector<TopoDS_Face>& faces, co
   parts.curves.push_back(std::move(border));
 }
 
+/// The unit du x dv, zero where the parametrisation is singular.
+Vec3 regular_normal(const BoundedPatch& patch, const Vec2& uv) {
+  const PatchPoint at = patch.first(uv);
+  const Vec3 n = at.du.cross(at.dv);
+  const Vec2 sizes = patch.domain().sizes();
+  // Collapsed: one direction's length over the whole domain is nothing beside the other's.
+  const double along_u = at.du.norm() * sizes.x(), along_v = at.dv.norm() * sizes.y();
+  const bool regular =
+      along_u > 1e-7 * along_v && along_v > 1e-7 * along_u && n.norm() > 1e-9 * at.du.norm() * at.dv.norm();
+  return regular ? Vec3(n.normalized()) : Vec3::Zero();
+}
+
+/// The mean of normals a little inside: over a collapsed direction's whole length (a pole), else toward the
+/// middle.
+Vec3 limit_normal(const BoundedPatch& patch, const Vec2& uv) {
+  const Eigen::AlignedBox2d domain = patch.domain();
+  const Vec2 sizes = domain.sizes();
+  const PatchPoint at = patch.first(uv);
+  const double along_u = at.du.norm() * sizes.x(), along_v = at.dv.norm() * sizes.y();
+  const int collapsed = along_u <= 1e-7 * along_v ? 0 : along_v <= 1e-7 * along_u ? 1 : -1;
+  for (const double reach : {1e-5, 1e-3, 1e-1}) {
+    Vec3 sum = Vec3::Zero();
+    for (int i = 0; i < 16; ++i) {
+      Vec2 near = uv + reach * (domain.center() - uv);
+      if (collapsed >= 0) near[collapsed] = domain.min()[collapsed] + (i + 0.5) / 16 * sizes[collapsed];
+      const PatchPoint p = patch.first(near);
+      const Vec3 n = p.du.cross(p.dv);
+      if (n.norm() > 1e-12 * p.du.norm() * p.dv.norm()) sum += n.normalized();
+    }
+    if (sum.norm() > 1) return sum.normalized();
+  }
+  return Vec3::Zero();
+}
+
 }  // namespace
 
 ProjectionParts build_projection(const std::vector<TopoDS_Face>& faces) {
@@ -267,41 +302,24 @@ ProjectionParts build_projection(const std::vector<TopoDS_Face>& faces) {
 Vec3 face_normal(const ProjectionParts& parts, Index face, const Vec2& uv) {
   const ProjectedFace& kept = parts.faces[face];
   if (!kept.usable) return Vec3::Zero();
-  // The patch that holds (u, v), or the nearest one.
-  const BoundedPatch* patch = nullptr;
+  const double sign = kept.reversed ? -1 : 1;
+  // The patches that hold (u, v), several at a kink; the nearest ones where none does.
   double nearest = std::numeric_limits<double>::infinity();
-  for (Index p = kept.first_patch; p < kept.first_patch + kept.patch_count; ++p) {
-    const double distance = parts.patches[p]->domain().squaredExteriorDistance(uv);
-    if (distance < nearest) {
-      nearest = distance;
-      patch = parts.patches[p].get();
+  const auto distance = [&](Index p) { return parts.patches[p]->domain().squaredExteriorDistance(uv); };
+  const Index last = kept.first_patch + kept.patch_count;
+  for (Index p = kept.first_patch; p < last; ++p) nearest = std::min(nearest, distance(p));
+  for (auto* const rule : {&regular_normal, &limit_normal}) {
+    for (Index p = kept.first_patch; p < last; ++p) {
+      if (distance(p) > nearest) continue;
+      const Eigen::AlignedBox2d domain = parts.patches[p]->domain();
+      const Vec3 n = (*rule)(*parts.patches[p], uv.cwiseMax(domain.min()).cwiseMin(domain.max()));
+      if (n != Vec3::Zero()) return sign * n;
     }
   }
-  if (patch == nullptr) return Vec3::Zero();
-  const double sign = kept.reversed ? -1 : 1;
-  const Eigen::AlignedBox2d domain = patch->domain();
-  const Vec2 inside = uv.cwiseMax(domain.min()).cwiseMin(domain.max());
-  const PatchPoint at = patch->first(inside);
-  const Vec3 n = at.du.cross(at.dv);
-  const Vec2 sizes = domain.sizes();
-  // Collapsed: one direction's length over the whole domain is nothing beside the other's.
-  const double along_u = at.du.norm() * sizes.x(), along_v = at.dv.norm() * sizes.y();
-  const bool regular =
-      along_u > 1e-7 * along_v && along_v > 1e-7 * along_u && n.norm() > 1e-9 * at.du.norm() * at.dv.norm();
-  if (regular) return sign * n.normalized();
-  // The limit: the mean of normals a little inside, over the collapsed direction.
-  Vec3 sum = Vec3::Zero();
-  const Vec2 toward = (domain.center() - inside).cwiseProduct(sizes.cwiseInverse());
-  for (const double reach : {1e-5, 1e-3}) {
-    for (int i = 0; i < 16; ++i) {
-      Vec2 near = inside + reach * toward.cwiseProduct(sizes);
-      const int axis = along_u < along_v ? 0 : 1;
-      near[axis] = domain.min()[axis] + (i + 0.5) / 16 * sizes[axis];
-      const PatchPoint p = patch->first(near);
-      const Vec3 m = p.du.cross(p.dv);
-      if (m.norm() > 1e-12 * p.du.norm() * p.dv.norm() && m.norm() > 0) sum += m.normalized();
-    }
-    if (sum.norm() > 1e-3) return sign * sum.normalized();
+  // A patch without area here: the face's first middle that has a normal.
+  for (Index p = kept.first_patch; p < last; ++p) {
+    const Vec3 n = regular_normal(*parts.patches[p], parts.patches[p]->domain().center());
+    if (n != Vec3::Zero()) return sign * n;
   }
   return Vec3::Zero();
 }
