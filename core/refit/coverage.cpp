@@ -7,8 +7,8 @@
 #include <numeric>
 
 #include "core/base/parallel.hpp"
+#include "core/limit/evaluate.hpp"
 #include "core/limit/limit_stencils.hpp"
-#include "core/target/parametric_patch.hpp"
 
 namespace flowcage {
 namespace {
@@ -187,13 +187,12 @@ class TriangleTree {
   std::vector<Node> nodes_;
 };
 
-/// Gauss-Newton for the nearest point of the limit surface, from a start on the limit mesh. A face is the
-/// biquadratic patch through its nine limit samples: in normal direction its error is of fourth order in half
-/// a cell, since the third derivative along a curve of a smooth surface is nearly tangential. Stays in one
-/// face; leaves over an edge into the neighbour at the same place.
+/// Gauss-Newton for the nearest point of the exact limit surface, from a start on the limit mesh. Stays in
+/// one face; leaves over an edge into the neighbour at the same place.
 class LimitDistance {
  public:
-  LimitDistance(const SurfaceLevel& level, std::span<const Vec3> limits) : level_(level), limits_(limits) {}
+  LimitDistance(const SurfaceLevel& level, std::span<const Vec3> points)
+      : level_(level), points_(points), evaluator_(level) {}
 
   double refine(const Vec3& query, Index face, Vec2 uv) const {
     double best = std::numeric_limits<double>::infinity();
@@ -245,7 +244,7 @@ class LimitDistance {
   int descend(const Vec3& query, Index face, Vec2& uv, double& best) const {
     int side = -1;
     for (int step = 0; step < 12; ++step) {
-      const PatchPoint p = evaluate(face, uv);
+      const LimitPoint p = evaluator_.evaluate(points_, {face, uv.x(), uv.y(), 0});
       const Vec3 r = query - p.position;
       best = std::min(best, r.norm());
       const double a = p.du.squaredNorm();
@@ -280,36 +279,9 @@ class LimitDistance {
     return side;
   }
 
-  PatchPoint evaluate(Index face, const Vec2& uv) const {
-    const auto weights = [](double t) {
-      return std::array<double, 3>{(1 - t) * (1 - 2 * t), 4 * t * (1 - t), t * (2 * t - 1)};
-    };
-    const auto slopes = [](double t) { return std::array<double, 3>{4 * t - 3, 4 - 8 * t, 4 * t - 1}; };
-    const auto wu = weights(uv.x());
-    const auto wv = weights(uv.y());
-    const auto su = slopes(uv.x());
-    const auto sv = slopes(uv.y());
-    const auto corners = level_.face_vertices[face];
-    const auto edges = level_.face_edges[face];
-    const Index edge = level_.vertex_count();
-    const Index middle = edge + level_.edge_count() + face;
-    const std::array<Index, 9> samples{corners[0],      edge + edges[0], corners[1],
-                                       edge + edges[3], middle,          edge + edges[1],
-                                       corners[3],      edge + edges[2], corners[2]};
-    PatchPoint p{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
-    for (std::size_t j = 0; j < 3; ++j) {
-      for (std::size_t i = 0; i < 3; ++i) {
-        const Vec3& x = limits_[samples[3 * j + i]];
-        p.position += wu[i] * wv[j] * x;
-        p.du += su[i] * wv[j] * x;
-        p.dv += wu[i] * sv[j] * x;
-      }
-    }
-    return p;
-  }
-
   const SurfaceLevel& level_;
-  std::span<const Vec3> limits_;
+  std::span<const Vec3> points_;
+  LimitEvaluator evaluator_;
 };
 
 std::vector<Vec3> target_samples(const TargetSurface& target, Index max_samples) {
@@ -340,7 +312,7 @@ Coverage measure_coverage(const SurfaceLevel& level, std::span<const Vec3> point
   const LimitSamples stencils = oversampled_limit_stencils(level);
   const std::vector<Vec3> limits = apply_stencils(stencils.position, points);
   const TriangleTree tree(limit_triangles(level, limits));
-  const LimitDistance exact(level, limits);
+  const LimitDistance exact(level, points);
   const std::vector<Vec3> samples = target_samples(target, max_samples);
   std::vector<double> distances(samples.size());
   parallel_for(static_cast<Offset>(samples.size()), 64, [&](Offset begin, Offset end) {

@@ -15,8 +15,8 @@ struct Coverage {
 /// Distances from points of the target (its tessellation's points, and its triangles' midpoints laid on the
 /// faces) to the limit surface of a level: a lost tip or a missed pocket shows here and not in the distance
 /// from the fitted surface to the target. The nearest limit point is found by a box tree over the limit mesh
-/// and then by Gauss-Newton steps on the biquadratic patches through nine exact limit points a face, so the
-/// measure's own error is of fourth order and far below the deviation. At most about max_samples points,
+/// and then by Gauss-Newton steps on the exact limit surface, across faces, so the measure's own error is
+/// rounding. At most about max_samples points,
 /// evenly picked. Parallel, deterministic. points: #V control points of the level, quads only.
 Coverage measure_coverage(const SurfaceLevel& level, std::span<const Vec3> points,
                           const TargetSurface& target, Index max_samples = 60000);
