@@ -1,6 +1,8 @@
 #include "occ_bridge/cad_model.hpp"
 
 #include <fmt/format.h>
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "occ_bridge/internal/build_model.hpp"
@@ -14,12 +16,48 @@ namespace flowcage {
 
 namespace {
 
+/// The tessellation's vertices lie on the faces, but the faces bulge beyond them between the vertices. In
+/// each of the six directions d the outermost vertex x climbs to the surface's own extreme place: the point
+/// nearest to x + t d maximises d.x' - |x' - x|^2 / (2 t) (proximal point method), so d.x never falls.
+Box3 bounds_of_surface(const TargetSurface& surface, Box3 bounds) {
+  const std::vector<Vec3>& vertices = surface.tessellation().points;
+  const double step = 4 * bounds.diagonal().norm();
+  if (!(step > 0) || !std::isfinite(step)) return bounds;
+  std::array<Vec3, 6> directions, places;
+  for (int k = 0; k < 6; ++k) {
+    const Vec3 direction = (k % 2 == 0 ? 1.0 : -1.0) * Vec3::Unit(k / 2);
+    directions[k] = direction;
+    places[k] = *std::max_element(vertices.begin(), vertices.end(), [&](const Vec3& a, const Vec3& b) {
+      return direction.dot(a) < direction.dot(b);
+    });
+  }
+  for (int round = 0; round < 12; ++round) {
+    std::array<Vec3, 6> queries;
+    std::array<SurfacePoint, 6> feet;
+    for (int k = 0; k < 6; ++k) queries[k] = places[k] + step * directions[k];
+    surface.closest_points(queries, {}, feet);
+    double gain = 0;
+    for (int k = 0; k < 6; ++k) {
+      if (feet[k].status == FootStatus::failed) continue;
+      gain = std::max(gain, directions[k].dot(feet[k].position - places[k]));
+      places[k] = feet[k].position;
+      bounds.extend(places[k]);
+    }
+    if (!(gain > 1e-12 * step)) break;
+  }
+  return bounds;
+}
+
 CadModel finished(occ::PreparedModel prepared, const CadReadSettings& settings, Progress& progress) {
   auto data = occ::build_model(std::move(prepared), settings, progress);
   data->projector.emplace(data->faces);
   const std::vector<std::string>& notes = data->projector->notes();
   data->summary.warnings.insert(data->summary.warnings.end(), notes.begin(), notes.end());
   for (const std::string& warning : data->summary.warnings) progress.warn(warning);
+  const Box3 bounds = bounds_of_surface(CadModel(data), data->bounds);
+  data->bounds = bounds;
+  data->summary.bounds = bounds;
+  data->summary.diagonal = bounds.diagonal().norm();
   return CadModel(std::move(data));
 }
 

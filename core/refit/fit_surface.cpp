@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -13,6 +14,7 @@
 #include "core/refit/boundary_planes.hpp"
 #include "core/refit/cage_check.hpp"
 #include "core/refit/coverage.hpp"
+#include "core/refit/deviation.hpp"
 #include "core/refit/level_system.hpp"
 #include "core/subdivide/refine.hpp"
 
@@ -21,6 +23,8 @@
 // L^s, then solve C V = L^s in the least-squares sense.
 namespace flowcage {
 namespace {
+
+constexpr double no_limit = std::numeric_limits<double>::infinity();
 
 using Clock = std::chrono::steady_clock;  // for the report's seconds only: no result depends on it
 
@@ -248,29 +252,20 @@ class LevelFit {
   std::string stopped_because_;
 };
 
-/// Distance from the limit surface to the target at the next level's samples: those that were fitted (its
-/// vertices) and, four times as many, those that were not.
-struct Deviation {
-  double max = 0, rms = 0;
-  Vec3 worst_place = Vec3::Zero();
-};
-
-Deviation measure_deviation(const LevelSystem& next_level, std::span<const Vec3> next_points,
-                            const TargetSurface& target) {
-  const std::vector<Vec3> limits = apply_stencils(next_level.samples.position, next_points);
-  std::vector<SurfacePoint> nearest(limits.size());
-  target.closest_points(limits, {}, nearest);
-  Deviation result;
-  double sum = 0;
-  for (std::size_t i = 0; i < nearest.size(); ++i) {
-    sum += nearest[i].distance * nearest[i].distance;
-    if (nearest[i].distance > result.max) {
-      result.max = nearest[i].distance;
-      result.worst_place = limits[i];
-    }
-  }
-  result.rms = std::sqrt(sum / static_cast<double>(std::max<std::size_t>(nearest.size(), 1)));
-  return result;
+/// One sentence about the sharp edges and open boundaries that nothing of the cage follows, with the longest.
+std::string unmatched_warning(const FeatureMatch& match, const TargetSurface& target) {
+  const std::vector<FeatureChain>& chains = target.features().chains;
+  const auto shorter = [&](Index a, Index b) { return chains[a].length < chains[b].length; };
+  const FeatureChain& longest =
+      chains[*std::max_element(match.unmatched_chains.begin(), match.unmatched_chains.end(), shorter)];
+  const Vec3& a = longest.polyline.front();
+  const Vec3& b = longest.polyline[longest.polyline.size() / 2];
+  return fmt::format(
+      "no crease of the cage follows {} of the CAD's {} chains of sharp or open edges (the longest, {:.4g} "
+      "m, "
+      "from ({:.6g}, {:.6g}, {:.6g}) over ({:.6g}, {:.6g}, {:.6g})): the surface is rounded there; mark the "
+      "cage's edges along them as creases",
+      match.unmatched_chains.size(), chains.size(), longest.length, a.x(), a.y(), a.z(), b.x(), b.y(), b.z());
 }
 
 std::vector<VertexTarget> vertex_targets(const LevelSystem& level, const FeatureMatch& match,
@@ -330,6 +325,7 @@ SurfaceFit fit_surface(const Cage& cage, const TargetSurface& target, const FitS
   const FeatureMatch match = match_features(topology, cage.points, chains, target);
   fit.unmatched_chains = match.unmatched_chains;
   fit.warnings = match.warnings;
+  if (!match.unmatched_chains.empty()) fit.warnings.push_back(unmatched_warning(match, target));
   const std::vector<ChainPlane> planes = chain_planes(chains, match, target);
   for (const std::string& warning : fit.warnings) progress.warn(warning);
 
@@ -350,7 +346,10 @@ SurfaceFit fit_surface(const Cage& cage, const TargetSurface& target, const FitS
         std::make_unique<LevelSystem>(build_level_system(std::move(child), std::move(below), match, target));
     std::vector<Vec3> next_points = apply_stencils(refinement, control_points);
     impose_planes(planes, next->chains, next_points);
-    const Deviation deviation = measure_deviation(*next, next_points, target);
+    const double accepted = settings.tolerance > 0 ? settings.tolerance * diagonal : 0.0;
+    const Deviation deviation =
+        measure_deviation(next->topology, next->samples.position, next_points,
+                          {.target = target, .search_below = depth == settings.levels ? no_limit : accepted});
 
     LevelReport report;
     report.level = depth;

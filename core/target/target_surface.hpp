@@ -95,7 +95,7 @@ class TargetSurface {
   virtual const Tessellation& tessellation() const = 0;
   virtual Index face_count() const = 0;
   virtual std::string face_name(Index face) const = 0;  ///< "" where the CAD has none
-  virtual Box3 bounds() const = 0;                      ///< of the faces, tight to the tessellation
+  virtual Box3 bounds() const = 0;                      ///< of the faces, tight
   double diagonal() const { return bounds().diagonal().norm(); }
 };
 

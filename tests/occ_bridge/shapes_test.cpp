@@ -8,6 +8,7 @@
 #include <TopExp_Explorer.hxx>
 #include <numbers>
 
+#include "occ_bridge/cad_model.hpp"
 #include "occ_bridge/internal/shape_rep.hpp"
 #include "tests/catch.hpp"
 
@@ -85,4 +86,17 @@ TEST_CASE("CAD files are written in each unit and format, and refused otherwise"
   CHECK_THROWS_WITH(write_cad(make_sphere(1), "sphere.obj"), Catch::Contains("unknown CAD format"));
   CHECK_THROWS_WITH(write_cad(make_sphere(1), "sphere.step", "yd"), Catch::Contains("unknown unit"));
   CHECK_THROWS_WITH(write_cad(make_sphere(1), "no/such/folder/sphere.step"), Catch::Contains("cannot write"));
+}
+
+TEST_CASE("bounds are those of the surface, not of its triangles") {
+  Progress silent;
+  const auto bounds_are = [&](const Shape& shape, const Vec3& low, const Vec3& high) {
+    const Box3 bounds = cad_model_of(shape, {}, silent).bounds();
+    CHECK((bounds.min() - low).norm() < 1e-7 * (high - low).norm());
+    CHECK((bounds.max() - high).norm() < 1e-7 * (high - low).norm());
+  };
+  bounds_are(make_sphere(2), {-2, -2, -2}, {2, 2, 2});
+  bounds_are(make_cylinder(1, 3), {-1, -1, 0}, {1, 1, 3});
+  bounds_are(make_torus(2, 0.6), {-2.6, -2.6, -0.6}, {2.6, 2.6, 0.6});
+  bounds_are(make_box({2, 1, 1.5}), {-1, -0.5, -0.75}, {1, 0.5, 0.75});
 }

@@ -6,6 +6,7 @@
 
 #include "core/base/error.hpp"
 #include "core/base/parallel.hpp"
+#include "core/limit/evaluate.hpp"
 #include "core/target/analytic_surfaces.hpp"
 #include "tests/catch.hpp"
 #include "tests/refit/hand_drawn_cages.hpp"
@@ -184,6 +185,24 @@ TEST_CASE("sharp edges of the CAD that no crease follows are named", "[fit]") {
   cage.creases.clear();
   const SurfaceFit fit = fitted(cage, *target, 1);
   CHECK(fit.unmatched_chains == std::vector<Index>{0, 1});
+  REQUIRE(fit.warnings.size() == 1);
+  CHECK(contains(fit.warnings[0], "no crease of the cage follows 2 of the CAD's 2 chains"));
+}
+
+TEST_CASE("the deviation is that of the whole surface where sharp edges are rounded off", "[fit]") {
+  // The error peaks in a narrow strip along the rim, between the samples.
+  const auto target = cylinder_surface({});
+  Cage cage = cylinder_cage(1, 1);
+  cage.creases.clear();
+  const SurfaceFit fit = fitted(cage, *target, 2);
+  const FittedLevel& last = fit.levels.back();
+  const std::vector<Vec3> dense = sample_limit_surface(last.topology, last.control_points, 5).points;
+  std::vector<SurfacePoint> nearest(dense.size());
+  target->closest_points(dense, {}, nearest);
+  double largest = 0;
+  for (const SurfacePoint& p : nearest) largest = std::max(largest, p.distance);
+  CHECK(fit.max_deviation * target->diagonal() > 0.95 * largest);
+  CHECK(fit.max_deviation * target->diagonal() < 1.05 * largest);
 }
 
 TEST_CASE("a cage that cannot belong is refused with numbers", "[fit]") {
