@@ -123,6 +123,18 @@ void add_face(const TopoDS_Face& oriented, Index number, ProjectionParts& parts)
     throw;
   }
   kept.patch_count = static_cast<Index>(parts.patches.size()) - kept.first_patch;
+  // A face collapsed to a curve (fillers at sharp trailing edges) has no normal to answer with; its
+  // neighbours' borders run where it is.
+  const bool has_area = std::any_of(parts.cells.cells.begin() + static_cast<std::ptrdiff_t>(first_cell),
+                                    parts.cells.cells.end(), [&](const PatchCell& cell) {
+                                      const PatchPoint at =
+                                          parts.patches[cell.patch]->first(cell.box.center());
+                                      return at.du.cross(at.dv).norm() > 1e-9 * at.du.norm() * at.dv.norm();
+                                    });
+  if (!has_area) {
+    parts.cells.cells.resize(first_cell);
+    throw Error(ErrorKind::input, "it has no area", "repair the CAD");
+  }
   kept.usable = true;
 }
 

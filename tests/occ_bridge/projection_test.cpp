@@ -1,6 +1,7 @@
 #include <BRepBuilderAPI_MakeVertex.hxx>
 #include <BRepExtrema_DistShapeShape.hxx>
 #include <BRep_Builder.hxx>
+#include <Geom_BezierSurface.hxx>
 #include <IGESControl_Reader.hxx>
 #include <IntCurvesFace_ShapeIntersector.hxx>
 #include <Message.hxx>
@@ -60,6 +61,17 @@ std::vector<Vec3> far_and_near(const FaceProjector& projector, int count) {
   const auto offsets = random_points(count, 0.03, 8);
   for (int i = 0; i < count; ++i) queries[i] = feet[i].position + offsets[i];
   return queries;
+}
+
+TopoDS_Face bilinear_face(const Vec3& along_u, const Vec3& along_v) {
+  TColgp_Array2OfPnt points(0, 1, 0, 1);
+  for (int i = 0; i < 2; ++i) {
+    for (int j = 0; j < 2; ++j) {
+      const Vec3 p = i * along_u + j * along_v;
+      points.ChangeValue(i, j) = gp_Pnt(p.x(), p.y(), p.z());
+    }
+  }
+  return BRepBuilderAPI_MakeFace(new Geom_BezierSurface(points), 1e-7);
 }
 
 bool same(const SurfacePoint& a, const SurfacePoint& b) {
@@ -210,6 +222,17 @@ TEST_CASE("compatible normals choose the side of a thin body, and fail beyond th
     }
     if (above[i].distance > 1e-6) CHECK(none[i].status == FootStatus::failed);
   }
+}
+
+TEST_CASE("a face collapsed to a line is left out with a note; its neighbour answers") {
+  const TopoDS_Face line = bilinear_face(Vec3::UnitX(), Vec3::Zero());
+  const TopoDS_Face sheet = bilinear_face(Vec3::UnitX(), Vec3::UnitY());
+  const FaceProjector projector({line, sheet});
+  REQUIRE(projector.notes().size() == 1);
+  const auto result = closest(projector, {Vec3(0.3, -1, 0.5)})[0];
+  CHECK(result.face == 1);
+  CHECK((result.position - Vec3(0.3, 0, 0)).norm() < 1e-12);
+  CHECK((result.normal - Vec3::UnitZ()).norm() < 1e-12);
 }
 
 TEST_CASE("queries that are no numbers fail and harm nothing") {
