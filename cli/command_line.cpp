@@ -125,6 +125,10 @@ std::string remedy_for(const std::string& word, const std::vector<std::string>& 
   return meant.empty() ? fmt::format("see {}", help) : fmt::format("did you mean {}? See {}", meant, help);
 }
 
+bool is_short_option(const CLI::App& app, const std::string& word) {
+  return word.size() == 2 && word[0] == '-' && app.get_option_no_throw(word) != nullptr;
+}
+
 /// CLI11 takes an unknown option's value for an argument and complains about that; so names are checked
 /// first.
 void check_option_names(const CLI::App& app, const std::vector<std::string>& arguments,
@@ -139,11 +143,20 @@ void check_option_names(const CLI::App& app, const std::vector<std::string>& arg
       throw Error(ErrorKind::usage, fmt::format("unknown option {}", name),
                   remedy_for(name, option_names(app), help));
     }
-    const bool value_follows = option->get_items_expected_max() > 0 && word == name;
+    const bool takes_value = option->get_items_expected_max() > 0;
+    if (!takes_value && is_long && word != name) {
+      throw Error(ErrorKind::usage, fmt::format("{}: takes no value", name),
+                  fmt::format("give {} alone", name));
+    }
+    const auto missing = [&] {
+      return Error(ErrorKind::usage, fmt::format("{}: the value is missing", name),
+                   fmt::format("give {} {}", name, option->get_type_name()));
+    };
+    if (takes_value && word == name + "=") throw missing();
+    const bool value_follows = takes_value && word == name;
     if (!value_follows) continue;
-    if (++i == arguments.size() || arguments[i].starts_with("--")) {
-      throw Error(ErrorKind::usage, fmt::format("{}: the value is missing", name),
-                  fmt::format("give {} {}", name, option->get_type_name()));
+    if (++i == arguments.size() || arguments[i].starts_with("--") || is_short_option(app, arguments[i])) {
+      throw missing();
     }
   }
 }

@@ -1,6 +1,6 @@
 #include "cli/json_report.hpp"
 
-#include "core/base/atomic_file.hpp"
+#include <ostream>
 
 namespace flowcage {
 namespace {
@@ -76,10 +76,12 @@ Json patches_json(const HexView& mesh) {
   return list;
 }
 
-void write_json(const Json& json, const std::string& file) {
-  AtomicFile target(file);
-  target.stream() << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
-  target.commit();
+std::unique_ptr<AtomicFile> open_json(const Options& options) {
+  return options.json.empty() ? nullptr : std::make_unique<AtomicFile>(options.json);
+}
+
+void write_json(const Json& json, AtomicFile& file) {
+  file.stream() << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n' << std::flush;
 }
 
 }  // namespace flowcage

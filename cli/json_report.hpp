@@ -1,8 +1,10 @@
 #pragma once
+#include <memory>
 #include <nlohmann/json.hpp>
-#include <string>
 
+#include "core/base/atomic_file.hpp"
 #include "core/mesh/hex_view.hpp"
+#include "core/options.hpp"
 #include "core/quality/quality_report.hpp"
 
 namespace flowcage {
@@ -24,8 +26,12 @@ Json patches_json(const HexView& mesh);
 
 const char* patch_type_name(PatchType type);
 
-/// Writes to a file, whole or not at all. Numbers that are not finite become null, bytes that are no UTF-8
+/// The file of --json, opened before long work so that a place that cannot be written shows at once; none
+/// without the option. Throws Error(output).
+std::unique_ptr<AtomicFile> open_json(const Options& options);
+
+/// Writes all of it; the caller commits. Numbers that are not finite become null, bytes that are no UTF-8
 /// are replaced. Throws Error(output).
-void write_json(const Json& json, const std::string& file);
+void write_json(const Json& json, AtomicFile& file);
 
 }  // namespace flowcage

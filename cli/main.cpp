@@ -6,6 +6,7 @@
 #include "cli/command_line.hpp"
 #include "cli/commands/commands.hpp"
 #include "cli/interruption.hpp"
+#include "cli/output_names.hpp"
 #include "cli/terminal.hpp"
 #include "core/base/parallel.hpp"
 
@@ -18,6 +19,7 @@ int run(const Request& request, const Interruption& interruption) {
     return 0;
   }
   const Options& options = request.options;
+  check_output_names(*request.command, options);
   set_thread_count(options.threads);
   TerminalProgress progress(interruption, options.quiet);
   switch (*request.command) {

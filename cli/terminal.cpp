@@ -75,8 +75,9 @@ void TerminalProgress::warn(std::string_view message) {
 
 void TerminalProgress::end_stage() {
   clear_line();
-  if (!stage_.empty() && !quiet_)
-    put(fmt::format("{} ({:.1f} s)\n", stage_, seconds(Clock::now() - stage_start_)));
+  // Short stages are not worth a line, and an error that comes at once stands on the first.
+  const double elapsed = stage_.empty() ? 0 : seconds(Clock::now() - stage_start_);
+  if (elapsed >= 0.5 && !quiet_) put(fmt::format("{} ({:.1f} s)\n", stage_, elapsed));
   stage_.clear();
 }
 

@@ -276,7 +276,7 @@ std::vector<OptionSpec> make_table() {
                         "all cores"),
                 &Options::threads, {0, 1024}),
          number(row("seed", "N", fitting, "start of every random choice (this version makes none)"),
-                &Options::seed, {}),
+                &Options::seed, {0, infinite}),
          flag(row("quiet", "", every_command, "errors only: no progress, no warnings"), &Options::quiet),
          text(without(row("json", "FILE", fitting | inspect | quality, "the numbers of the result as JSON"),
                       "none"),

@@ -1,6 +1,7 @@
 #include "core/pipeline.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -100,6 +101,41 @@ int level_for_cells(const Shell& shell, const VolumeSettings& settings) {
     if (distance(level) < distance(best)) best = level;
   }
   return best;
+}
+
+// What a job makes at its last level, and the memory that takes: peaks measured on the examples.
+struct Demand {
+  double faces = 0, cells = 0, samples = 0;
+
+  double bytes() const { return 46e3 * faces + 600 * cells + 800 * samples; }
+  bool fits() const {
+    constexpr double most_points = 2e9;  // an Index numbers them
+    const double memory =
+        static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGE_SIZE));
+    return bytes() <= memory && std::max(cells, samples) < most_points;
+  }
+};
+
+// The levels to do. Asked for (no tolerance), they are done or refused; otherwise they are only a bound,
+// which comes down to what the machine holds. `demand` is that of a level, none is tried below `least`.
+template <typename DemandOfLevel>
+int affordable_levels(const FitSettings& fit, int least, const std::string& cage_name,
+                      const DemandOfLevel& demand) {
+  int most = std::max(fit.levels, least);
+  while (most > least && !demand(most).fits()) --most;
+  const bool asked = fit.tolerance <= 0;
+  const int wanted = asked ? std::max(fit.levels, least) : most;
+  const Demand needed = demand(wanted);
+  if (needed.fits()) return wanted;
+  std::string makes = fmt::format("{:.3g} faces", needed.faces);
+  if (needed.cells > 0) makes += fmt::format(" and {:.3g} cells", needed.cells);
+  if (needed.samples > 0) makes += fmt::format(" in {:.3g} samples", needed.samples);
+  throw Error(
+      ErrorKind::usage,
+      fmt::format("--levels: {} level(s) of {} make {}, about {:.3g} GB: more than this machine holds",
+                  wanted, cage_name, makes, needed.bytes() / 1e9),
+      demand(most).fits() ? fmt::format("ask for fewer: {} level(s) fit", most)
+                          : std::string("give a coarser cage or a larger machine"));
 }
 
 // The outer polyhedron was seen to enclose the cage; subdivision draws both in. Throws Error(input) where the
@@ -235,8 +271,15 @@ bool all_hold(const std::vector<Gate>& gates) {
 
 SurfaceResult make_surface(const Cage& cage, const TargetSurface& target, const SurfaceSettings& settings,
                            Progress& progress) {
+  FitSettings fit_settings = settings.fit;
+  fit_settings.levels = affordable_levels(settings.fit, 0, cage.source, [&](int level) {
+    const double faces = level == 0
+                             ? static_cast<double>(cage.faces.size())
+                             : std::ldexp(static_cast<double>(cage.faces.values.size()), 2 * (level - 1));
+    return Demand{faces, 0, settings.sample > 0 ? std::ldexp(faces, 2 * settings.sample) : 0};
+  });
   SurfaceResult result;
-  result.fit = fit_surface(cage, target, settings.fit, progress);
+  result.fit = fit_surface(cage, target, fit_settings, progress);
   const FittedLevel& last = result.fit.levels.back();
   std::vector<Vec3> limit;
   if (settings.sample > 0) {
@@ -258,8 +301,16 @@ VolumeResult make_volume(const Cage& cage, const TargetSurface& target, const Vo
   const Shell shell = settings.outer ? build_shell(cage, *settings.outer)
                                      : build_farfield_shell(cage, settings.farfield, target.bounds());
   FitSettings fit_settings = settings.fit;
-  if (settings.cells > 0) fit_settings.levels = level_for_cells(shell, settings);
-  fit_settings.levels = std::max(fit_settings.levels, shell.cage_level);
+  if (settings.cells > 0) {
+    fit_settings.levels = level_for_cells(shell, settings);
+    fit_settings.tolerance = 0;  // a tolerance that is met earlier is no reason for fewer cells
+  }
+  fit_settings.levels = affordable_levels(fit_settings, shell.cage_level, cage.source, [&](int level) {
+    const double faces =
+        std::ldexp(static_cast<double>(shell.inner.face_count()), 2 * (level - shell.cage_level));
+    return Demand{
+        faces, std::ldexp(faces, level - shell.cage_level) * layers_at_start(shell, settings.spacing, level)};
+  });
 
   const auto fit_start = Clock::now();
   SurfaceFit fit = fit_surface(cage, target, fit_settings, progress);

@@ -2,6 +2,7 @@
 
 #include "cli/cad_json.hpp"
 #include "cli/commands/commands.hpp"
+#include "cli/json_report.hpp"
 #include "cli/terminal.hpp"
 #include "core/base/atomic_file.hpp"
 #include "occ_bridge/cad_model.hpp"
@@ -79,17 +80,16 @@ std::string summary_table(const CadSummary& cad) {
 }  // namespace
 
 int run_inspect(const Options& options, Progress& progress) {
-  std::unique_ptr<AtomicFile> json;
-  if (!options.json.empty()) json = std::make_unique<AtomicFile>(options.json);
+  const std::unique_ptr<AtomicFile> json = open_json(options);
   CadReadSettings settings;
   settings.cad_unit = options.cad_unit;
   settings.crease_angle_degrees = options.crease_angle;
   WithoutWarnings quiet(progress);
   const CadModel model = read_cad(options.inputs, settings, quiet);
   if (json) {
-    const nlohmann::ordered_json report{{"flowcage", FLOWCAGE_VERSION}, {"cad", cad_json(model.summary())}};
-    using Handler = nlohmann::ordered_json::error_handler_t;
-    json->stream() << report.dump(2, ' ', false, Handler::replace) << '\n';  // names need not be UTF-8
+    Json report = new_report();
+    report["cad"] = cad_json(model.summary());
+    write_json(report, *json);
     json->commit();
   }
   print(summary_table(model.summary()));

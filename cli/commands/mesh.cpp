@@ -8,6 +8,7 @@
 #include "cli/cad_json.hpp"
 #include "cli/commands/commands.hpp"
 #include "cli/fit_job.hpp"
+#include "cli/output_names.hpp"
 #include "core/base/atomic_file.hpp"
 #include "core/blocks/symmetry_plane.hpp"
 #include "core/export/write_polymesh.hpp"
@@ -37,7 +38,7 @@ struct Output {
 enum class Format { vtu, foam_file, folder };
 
 Format format_of(const std::string& name) {
-  const std::string extension = fs::path(name).extension().string();
+  const std::string extension = lower_extension(name);
   if (extension == ".vtu") return Format::vtu;
   if (extension == ".foam") return Format::foam_file;
   if (extension.empty() || fs::is_directory(name)) return Format::folder;
@@ -106,8 +107,18 @@ VolumeSettings volume_settings(const Options& options, const FitInputs& inputs) 
   if (!options.outer.empty()) settings.outer = read_cage_in_metres(options.outer, inputs.cage_unit);
   settings.farfield.kind = options.farfield == "sphere" ? OuterShape::Kind::sphere : OuterShape::Kind::box;
   settings.farfield.body_lengths = options.farfield_size;
-  if (options.first_height)
+  if (options.first_height) {
     settings.spacing.first_height = *options.first_height * metres_per_unit(options.unit);
+    // Below, points of neighbouring layers would coincide in double precision.
+    const double least = 1e-11 * inputs.cad.diagonal();
+    if (settings.spacing.first_height < least) {
+      throw Error(
+          ErrorKind::usage,
+          fmt::format("--first-height: {:g} {} is too small for a CAD of {:.3g} m", *options.first_height,
+                      options.unit, inputs.cad.diagonal()),
+          fmt::format("give at least {:.3g} {}", least / metres_per_unit(options.unit), options.unit));
+    }
+  }
   if (options.growth) settings.spacing.growth = *options.growth;
   if (options.layers) settings.spacing.layers = *options.layers;
   settings.cells = options.cells.value_or(0);
@@ -133,7 +144,9 @@ void write_outputs(std::vector<Output>& outputs, const BlockMesh& mesh, const st
     }
     for (const std::string& note : notes) progress.warn(note);
   }
-  // All were written: only now any of them appears.
+}
+
+void commit(std::vector<Output>& outputs) {
   for (Output& output : outputs) {
     if (output.vtu) output.vtu->commit();
     if (output.poly_mesh) {
@@ -152,7 +165,7 @@ Json report(const Options& options, const FitInputs& inputs, const VolumeResult&
   json["volume"] = volume_json(result.quality);
   json["volume"]["first_height"] = {{"min", result.spacing.min_first * scale},
                                     {"max", result.spacing.max_first * scale},
-                                    {"asked", options.first_height ? Json(*options.first_height) : Json()}};
+                                    {"asked", options.first_height.value_or(0)}};
   json["volume"]["max_growth"] = result.spacing.max_growth;
   json["patches"] = Json::array();
   for (const PatchSummary& p : result.patches) {
@@ -178,23 +191,28 @@ int run_mesh(const Options& options, Progress& progress) {
   const VolumeSettings settings = volume_settings(options, inputs);
   std::vector<Output> outputs;  // opened before the long work: a place that cannot be written shows now
   for (const std::string& name : options.outputs) outputs.push_back(open_output(name));
+  const std::unique_ptr<AtomicFile> json_file = open_json(options);
 
   VolumeResult result = make_volume(inputs.cage, inputs.cad, settings, progress);
   const Clock::time_point write_start = Clock::now();
-  if (options.force || all_hold(result.gates)) {
+  const bool write = options.force || all_hold(result.gates);
+  if (write) {
     const double scale = 1 / metres_per_unit(options.unit);
     for (Vec3& p : result.mesh.mutable_points()) p *= scale;
     for (double& d : result.deviation) d *= scale;
     write_outputs(outputs, result.mesh, result.deviation, progress);
   }
-  if (!options.json.empty()) {
+  if (json_file) {
     Json json = report(options, inputs, result);
     json["seconds"] = {{"read", inputs.read_seconds},         {"cage", 0.0},
                        {"fit", result.fit_seconds},           {"volume", result.volume_seconds},
                        {"write", seconds_since(write_start)}, {"total", seconds_since(start)}};
     json["peak_memory_bytes"] = peak_memory_bytes();
-    write_json(json, options.json);
+    write_json(json, *json_file);
   }
+  // All were written: only now any of them appears.
+  if (write) commit(outputs);
+  if (json_file) json_file->commit();
   require_gates(result.gates);
   return 0;
 }

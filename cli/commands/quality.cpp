@@ -23,9 +23,10 @@ void append_worst(std::string& text, const char* title, const MetricSummary& met
 }  // namespace
 
 std::string quality_text(const QualityReport& report) {
-  std::string text =
-      fmt::format("cells     {}\npoints    {}\nblocks    {}\ninverted  {}\nvolume    {:.6g} m3\n\n",
-                  report.cells, report.points, report.blocks, report.inverted_cells, report.total_volume);
+  std::string text = fmt::format(
+      "cells     {}\npoints    {}\nblocks    {}\ninverted  {}\nvolume    {:.6g} (cubed units of the "
+      "mesh)\n\n",
+      report.cells, report.points, report.blocks, report.inverted_cells, report.total_volume);
   auto out = std::back_inserter(text);
   fmt::format_to(out, "{:<28}{:>12}{:>12}{:>12}\n", "", "min", "mean", "max");
   const auto row = [&](const char* name, const MetricSummary& m) {
@@ -42,6 +43,7 @@ std::string quality_text(const QualityReport& report) {
 }
 
 int run_quality(const Options& options, Progress& progress) {
+  const std::unique_ptr<AtomicFile> json_file = open_json(options);
   progress.step("read", 0);
   const HexMesh mesh = read_mesh(options.inputs.front());
   progress.step("faces", 0);
@@ -58,12 +60,13 @@ int run_quality(const Options& options, Progress& progress) {
   append_worst(text, "non-orthogonality", report.non_orthogonality);
   append_worst(text, "skewness", report.skewness);
   append_worst(text, "aspect ratio", report.aspect_ratio);
-  if (!options.json.empty()) {
+  if (json_file) {
     Json json = new_report();
     json["mesh"] = options.inputs.front();
     json["volume"] = volume_json(report);
     json["patches"] = patches_json(mesh);
-    write_json(json, options.json);
+    write_json(json, *json_file);
+    json_file->commit();
   }
   print(text);
   return 0;

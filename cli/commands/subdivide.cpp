@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "cli/commands/commands.hpp"
+#include "cli/output_names.hpp"
 #include "core/base/atomic_file.hpp"
 #include "core/cage/level_cage.hpp"
 #include "core/cage/read_cage.hpp"
@@ -30,8 +31,8 @@ int run_subdivide(const Options& options, Progress& progress) {
   std::vector<std::unique_ptr<AtomicFile>> outputs;
   if (!options.levels) throw Error(ErrorKind::usage, "subdivide: --levels is missing", "give --levels N");
   for (const std::string& name : options.outputs) {
-    const std::string extension = std::filesystem::path(name).extension().string();
-    if (!extension.empty() && extension != ".obj" && extension != ".OBJ") {
+    const std::string extension = lower_extension(name);
+    if (!extension.empty() && extension != ".obj") {
       throw Error(ErrorKind::usage, fmt::format("-o: {}: subdivide writes OBJ files", name),
                   "give a name that ends in .obj");
     }

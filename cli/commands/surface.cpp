@@ -6,6 +6,7 @@
 #include "cli/cad_json.hpp"
 #include "cli/commands/commands.hpp"
 #include "cli/fit_job.hpp"
+#include "cli/output_names.hpp"
 #include "core/base/atomic_file.hpp"
 #include "core/cage/read_cage.hpp"
 #include "core/cage/write_cage.hpp"
@@ -17,7 +18,7 @@ namespace {
 constexpr int most_levels = 5;
 
 std::string format_of(const std::string& name) {
-  const std::string extension = std::filesystem::path(name).extension().string();
+  const std::string extension = lower_extension(name);
   if (extension == ".obj" || extension == ".vtp" || extension == ".stl") return extension;
   if (extension == ".step" || extension == ".stp") {
     throw Error(ErrorKind::usage, fmt::format("-o: {}: B-spline patches are not in this version", name),
@@ -49,6 +50,7 @@ int run_surface(const Options& options, Progress& progress) {
   // Opened before the long work: a place that cannot be written shows now.
   std::vector<std::unique_ptr<AtomicFile>> outputs;
   for (const std::string& name : options.outputs) outputs.push_back(std::make_unique<AtomicFile>(name));
+  const std::unique_ptr<AtomicFile> json_file = open_json(options);
 
   const Clock::time_point fit_start = Clock::now();
   SurfaceSettings settings;
@@ -69,21 +71,27 @@ int run_surface(const Options& options, Progress& progress) {
       progress.step("write", static_cast<double>(i) / static_cast<double>(outputs.size()));
       write_surface(formats[i], mesh, result.deviation, outputs[i]->stream(), progress);
     }
-    for (const auto& output : outputs) output->commit();
   }
-  if (!options.json.empty()) {
+  if (json_file) {
     Json json = new_report();
     json["cad"] = cad_json(inputs.cad.summary());
     json["cage"] = cage_json(inputs, options);
     json["surface"] = surface_json(result.fit);
     json["gates"] = gates_json(result.gates);
     json["seconds"] = {{"read", inputs.read_seconds},
+                       {"cage", 0.0},
                        {"fit", fit_seconds},
+                       {"volume", 0.0},
                        {"write", seconds_since(write_start)},
                        {"total", seconds_since(start)}};
     json["peak_memory_bytes"] = peak_memory_bytes();
-    write_json(json, options.json);
+    write_json(json, *json_file);
   }
+  // All were written: only now any of them appears.
+  if (write) {
+    for (const auto& output : outputs) output->commit();
+  }
+  if (json_file) json_file->commit();
   require_gates(result.gates);
   return 0;
 }

@@ -31,6 +31,10 @@ constexpr std::array<UnitStep, 12> unit_steps{{{1000, "mm", "m"},
                                                {1 / 0.0254, "in", "m"},
                                                {0.0254, "m", "in"}}};
 
+/// Single vertices may be drawn far outside; what is beyond this, in diagonals of the CAD, is a mistake (and
+/// leaves the fit no digits).
+constexpr double farthest_vertex = 1000;
+
 /// How badly two boxes differ: distance of centres and difference of sides, in diagonals of `b`.
 double mismatch(const Box3& a, const Box3& b) {
   const double diagonal = b.diagonal().norm();
@@ -80,6 +84,15 @@ void check_cage_belongs(const CageToCheck& cage, const TargetSurface& target) {
   }
 
   const std::size_t count = cage.points.size();
+  for (std::size_t v = 0; v < count; ++v) {
+    const double off = cad.exteriorDistance(cage.points[v]);
+    if (off <= farthest_vertex * diagonal) continue;
+    throw Error(ErrorKind::input,
+                fmt::format("{}: vertex {} at {} lies {:.3g} diagonals of the CAD away from it; {}",
+                            named(cage.source), v + 1, place(cage.points[v]), off / diagonal, boxes),
+                "move the cage onto the CAD, or check its unit (--cage-unit) and that both files belong "
+                "together");
+  }
   std::vector<SurfacePoint> nearest(count);
   target.closest_points(cage.points, {}, nearest);
   std::vector<double> distances;

@@ -95,6 +95,13 @@ TEST_CASE("wrong usage: exit 2 and what was meant") {
   check_error(run_flowcage({"subdivide", "c.obj", "-o"}), 2, "the value is missing", "-o OUT");
   check_error(run_flowcage({"subdivide", "c.obj", "-o", "--levels", "2"}), 2, "-o: the value is missing",
               "-o OUT");
+  for (const Strings& json : {Strings{"--json", "-o"}, Strings{"--json=", "-o"}}) {
+    check_error(run_flowcage({"mesh", "a", json[0], json[1], "x"}), 2, "--json: the value is missing",
+                "--json FILE");
+  }
+  check_error(run_flowcage({"mesh", "a", "--quiet=1", "-o", "x"}), 2, "--quiet: takes no value", "alone");
+  check_error(run_flowcage({"mesh", "a", "--seed", "-1", "-o", "x"}), 2, "--seed: \"-1\"", "0 <= N");
+  check_error(run_flowcage({"mesh", "a", "-o", ""}), 2, "-o: the name is empty", "name of a file");
   check_error(run_flowcage({"subdivide", "c.obj", "d.obj", "--levels", "2", "-o", "x.obj"}), 2, "received 2",
               "--help");
   for (const char* bad : {"-1", "11", "2.5", "two", "", "99999999999999999999", "nan"}) {

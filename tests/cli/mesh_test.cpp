@@ -140,10 +140,79 @@ TEST_CASE("a cage in the wrong unit: exit 3") {
 TEST_CASE("mesh: interrupted while it fits, nothing is left") {
   const Sphere folder;
   const ProgramRun run =
-      folder.run("mesh", {"--levels", "7", "-o", "case", "-o", "x.vtu", "--json", "x.json"},
+      folder.run("mesh", {"--levels", "6", "-o", "case", "-o", "x.vtu", "--json", "x.json"},
                  {.signal = SIGINT, .signal_delay = 2});
   INFO(run.err);
   CHECK(run.exit_code == 130);
   CHECK_THAT(run.err, contains_text("flowcage: interrupted"));
   CHECK(folder.entries() == Strings{"cage.obj", "sphere.step"});
+}
+
+TEST_CASE("a report that cannot be written: exit 5 and no mesh either") {
+  const Sphere folder;
+  folder.put("file", "x");
+  Strings places{"file/x.json", "missing/x.json", "."};
+  if (std::filesystem::exists("/dev/full")) places.push_back("/dev/full");
+  for (const char* command : {"surface", "mesh"}) {
+    const std::string out = std::string(command) == "mesh" ? "x.vtu" : "x.obj";
+    for (const std::string& json : places) {
+      const ProgramRun run =
+          folder.run(command, {"--levels", "1", "--tolerance", "1e-2", "-o", out, "--json", json});
+      INFO(run.err);
+      CHECK(run.exit_code == 5);
+      CHECK_THAT(run.err, contains_text("flowcage: " + json + ": cannot write"));
+      CHECK(folder.entries() == Strings{"cage.obj", "file", "sphere.step"});
+    }
+  }
+}
+
+TEST_CASE("an output that is an input or another output: exit 2, nothing is replaced") {
+  const Sphere folder;
+  const auto check = [&](const char* command, const Strings& rest) {
+    const ProgramRun run = folder.run(command, rest);
+    INFO(run.err);
+    CHECK(run.exit_code == 2);
+    CHECK_THAT(run.err, contains_text(": the same file as "));
+    CHECK(folder.text_of("cage.obj") == cube_cage());
+    CHECK(folder.entries() == Strings{"cage.obj", "sphere.step"});
+  };
+  check("surface", {"-o", "./cage.obj"});
+  check("surface", {"-o", "x.obj", "--json", "x.obj"});
+  check("mesh", {"-o", "x.vtu", "--json", "sphere.step"});
+  check("mesh", {"-o", "x.vtu", "-o", "./x.vtu"});
+}
+
+TEST_CASE("more than the machine holds, or than numbers can tell apart, is refused before the fit") {
+  const Sphere folder;
+  const auto check = [&](const char* command, const Strings& rest, int exit_code, const char* what) {
+    const ProgramRun run = folder.run(command, rest);
+    INFO(run.err);
+    CHECK(run.exit_code == exit_code);
+    CHECK_THAT(run.err, contains_text(what));
+    CHECK(run.seconds < 20);
+    CHECK(folder.entries() == Strings{"cage.obj", "sphere.step"});
+  };
+  check("mesh", {"--levels", "10", "-o", "case"}, 2, "more than this machine holds");
+  check("mesh", {"--cells", "2000000000", "-o", "case"}, 2, "more than this machine holds");
+  check("surface", {"--levels", "5", "--sample", "8", "-o", "x.obj"}, 2, "more than this machine holds");
+  check("mesh", {"--first-height", "1e-300", "-o", "case"}, 2, "--first-height: 1e-300 m is too small");
+  std::string typo = cube_cage();
+  typo.replace(0, typo.find('\n'), "v 1e300 -450 -450");
+  folder.put("cage.obj", typo);
+  for (const char* command : {"mesh", "surface"}) {
+    check(command, {"-o", std::string(command) == "mesh" ? "x.vtu" : "x.obj"}, 3, "cage.obj: vertex 1 at ");
+  }
+}
+
+TEST_CASE("--cells: the level nearest to it, though the tolerance is met before") {
+  const Sphere folder;
+  const ProgramRun run =
+      folder.run("mesh", {"--cells", "40000", "--tolerance", "1e-2", "-o", "x.vtu", "--quiet"});
+  INFO(run.err);
+  REQUIRE(run.exit_code == 0);
+  const ProgramRun quality = run_flowcage({"quality", "x.vtu"}, {.folder = folder.path()});
+  int cells = 0;
+  REQUIRE(std::sscanf(quality.out.c_str(), "cells %d", &cells) == 1);
+  CHECK(cells > 40000 / 3);
+  CHECK(cells < 40000 * 3);
 }

@@ -1,0 +1,62 @@
+#include "cli/output_names.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+#include <vector>
+
+#include "core/base/error.hpp"
+
+namespace flowcage {
+namespace fs = std::filesystem;
+namespace {
+
+/// An option or argument, and the file that it names.
+using Named = std::pair<std::string, std::string>;
+
+/// The same place by any spelling. Devices and pipes are no place: they may be given twice.
+bool same_file(const std::string& a, const std::string& b) {
+  std::error_code failure;
+  const fs::file_status status = fs::status(a, failure);
+  if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status)) return false;
+  const fs::path one = fs::weakly_canonical(fs::absolute(a, failure), failure);
+  const fs::path other = fs::weakly_canonical(fs::absolute(b, failure), failure);
+  return !failure && one == other;
+}
+
+}  // namespace
+
+void check_output_names(Command command, const Options& options) {
+  std::vector<Named> inputs, outputs;
+  for (const std::string& name : options.inputs) inputs.emplace_back("the input", name);
+  if (options.cage != "auto") inputs.emplace_back("--cage", options.cage);
+  if (!options.outer.empty()) inputs.emplace_back("--outer", options.outer);
+  for (const std::string& name : options.outputs) outputs.emplace_back("-o", name);
+  if (!options.json.empty()) outputs.emplace_back("--json", options.json);
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    const auto& [option, name] = outputs[i];
+    if (name.empty()) {
+      throw Error(ErrorKind::usage, fmt::format("{}: the name is empty", option), "give the name of a file");
+    }
+    const auto clash = [&, &option = option, &name = name](const Named& other) {
+      if (!same_file(name, other.second)) return;
+      throw Error(ErrorKind::usage,
+                  fmt::format("{} {}: the same file as {} {}", option, name, other.first, other.second),
+                  "give the output a name of its own");
+    };
+    std::for_each_n(outputs.begin(), i, clash);
+    if (command != Command::subdivide) std::for_each(inputs.begin(), inputs.end(), clash);
+  }
+}
+
+std::string lower_extension(const std::string& name) {
+  std::string extension = fs::path(name).extension().string();
+  for (char& c : extension) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  }
+  return extension;
+}
+
+}  // namespace flowcage

@@ -1,0 +1,15 @@
+#pragma once
+#include <string>
+
+#include "core/options.hpp"
+
+namespace flowcage {
+
+/// Refuses names of outputs (-o, --json) that are empty, appear twice or are an input of the same run: one
+/// file would silently replace the other. Only `subdivide` may replace its own cage. Throws Error(usage).
+void check_output_names(Command command, const Options& options);
+
+/// ".obj" of "WING.OBJ".
+std::string lower_extension(const std::string& name);
+
+}  // namespace flowcage
