@@ -32,6 +32,11 @@ void print(const std::string& text) {
   }
 }
 
+void print_summary(const std::string& text) {
+  if (isatty(STDERR_FILENO) != 0) std::fputs("\r\033[K", stderr);
+  std::fputs(text.c_str(), stderr);
+}
+
 void print_error(const Error& error) {
   std::string text = fmt::format("flowcage: {}\n", error.what());
   if (!error.remedy().empty()) text += fmt::format("  {}\n", error.remedy());

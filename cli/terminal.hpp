@@ -11,6 +11,9 @@ namespace flowcage {
 /// Writes to stdout; throws Error(output) where that fails (a full disk, a closed pipe).
 void print(const std::string& text);
 
+/// A summary for a person, on stderr: stdout carries only what was asked for. Takes a progress line away.
+void print_summary(const std::string& text);
+
 /// An error as the user sees it on stderr: what and where on the first line, then the remedy.
 void print_error(const Error& error);
 

@@ -9,6 +9,8 @@
 #include "cli/commands/commands.hpp"
 #include "cli/fit_job.hpp"
 #include "cli/output_names.hpp"
+#include "cli/summary.hpp"
+#include "cli/terminal.hpp"
 #include "core/base/atomic_file.hpp"
 #include "core/blocks/symmetry_plane.hpp"
 #include "core/export/write_polymesh.hpp"
@@ -213,6 +215,7 @@ int run_mesh(const Options& options, Progress& progress) {
   // All were written: only now any of them appears.
   if (write) commit(outputs);
   if (json_file) json_file->commit();
+  if (!options.quiet) print_summary(volume_summary(result, inputs.cad.diagonal(), options));
   require_gates(result.gates);
   return 0;
 }

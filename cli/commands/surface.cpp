@@ -7,6 +7,8 @@
 #include "cli/commands/commands.hpp"
 #include "cli/fit_job.hpp"
 #include "cli/output_names.hpp"
+#include "cli/summary.hpp"
+#include "cli/terminal.hpp"
 #include "core/base/atomic_file.hpp"
 #include "core/cage/read_cage.hpp"
 #include "core/cage/write_cage.hpp"
@@ -92,6 +94,7 @@ int run_surface(const Options& options, Progress& progress) {
     for (const auto& output : outputs) output->commit();
   }
   if (json_file) json_file->commit();
+  if (!options.quiet) print_summary(surface_summary(result.fit, inputs.cad.diagonal()));
   require_gates(result.gates);
   return 0;
 }

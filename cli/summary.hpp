@@ -1,0 +1,14 @@
+#pragma once
+#include <string>
+
+#include "core/options.hpp"
+#include "core/pipeline.hpp"
+
+namespace flowcage {
+
+/// What an engineer looks at first, as tables for a person: deviations a level, and of a volume its quality
+/// and, per patch, deviation and wall spacing (in the output's unit). `diagonal` is the CAD's, in metres.
+std::string surface_summary(const SurfaceFit& fit, double diagonal);
+std::string volume_summary(const VolumeResult& result, double diagonal, const Options& options);
+
+}  // namespace flowcage
