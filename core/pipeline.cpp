@@ -152,6 +152,32 @@ void require_enclosure(const Shell& shell, const SurfaceFit& fit, const std::str
   }
 }
 
+// An open boundary of the cage follows the CAD's, which need not lie in the cage's symmetry plane. Throws
+// Error(input) where the fitted one leaves it.
+void require_planar_rim(const Shell& shell, const SurfaceFit& fit, const TargetSurface& target,
+                        const std::string& cage_name) {
+  if (!shell.symmetry) return;
+  constexpr double allowed = 1e-3;  // of the diagonal
+  const FittedLevel& last = fit.levels.back();
+  const std::vector<Vec3> limit = limit_points(last);
+  double worst = 0;
+  Vec3 worst_place = Vec3::Zero();
+  for (const Index v : boundary_vertices(last.topology)) {
+    const double off = std::abs(shell.symmetry->distance(limit[v]));
+    if (off > worst) {
+      worst = off;
+      worst_place = limit[v];
+    }
+  }
+  if (worst <= allowed * target.diagonal()) return;
+  throw input_error(
+      cage_name, 0,
+      fmt::format("the fitted surface's open boundary leaves the symmetry plane by {:.3g} m at {}", worst,
+                  place(worst_place)),
+      "the CAD is open there, too, off that plane: close the CAD and the cage there; only the cut "
+      "of a half model may be open");
+}
+
 // Meshes up to this size are untangled as a whole, larger ones only round their bad cells.
 constexpr Offset whole_mesh_cells = 30000;
 
@@ -322,6 +348,7 @@ VolumeResult make_volume(const Cage& cage, const TargetSurface& target, const Vo
                     "--levels {} comes nearest to them",
                     reached, settings.cells, fit_settings.levels));
   }
+  require_planar_rim(shell, fit, target, cage.source);
   if (settings.outer) require_enclosure(shell, fit, settings.outer->source);
 
   const auto volume_start = Clock::now();

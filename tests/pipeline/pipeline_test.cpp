@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <numbers>
 
+#include "core/base/error.hpp"
 #include "core/target/analytic_surfaces.hpp"
 #include "tests/catch.hpp"
+#include "tests/refit/hand_drawn_cages.hpp"
+#include "tests/refit/patch_target.hpp"
 
 using namespace flowcage;
 
@@ -94,4 +97,20 @@ TEST_CASE("a number of cells: the nearest level, or a word that the tolerance en
   CHECK(make_volume(cube(0.4), ball, settings, stopped).fit.levels.size() < 4);
   REQUIRE(stopped.warnings.size() == 1);
   CHECK_THAT(stopped.warnings[0], Catch::Contains("--levels 3 comes nearest"));
+}
+
+TEST_CASE("a half model whose CAD is open in another plane than the cage is refused") {
+  const test::WingCageShape wing;
+  const auto target = test::wing_target(wing, test::TipShape::flat);
+  Cage cage = test::wing_cage(wing);
+  VolumeSettings settings;
+  settings.fit.levels = 1;
+  settings.farfield = {OuterShape::Kind::sphere, 5};
+  Progress silent;
+  CHECK_NOTHROW(make_volume(cage, *target, settings, silent));
+  for (Vec3& p : cage.points) {  // the cage's root, and with it its symmetry plane, tilted by 6 degrees
+    if (p.y() == 0) p.y() = 0.1 * (p.x() - 0.5 * wing.root_chord);
+  }
+  CHECK_THROWS_WITH(make_volume(cage, *target, settings, silent),
+                    Catch::Contains("leaves the symmetry plane by"));
 }
