@@ -183,6 +183,17 @@ Json report(const Options& options, const FitInputs& inputs, const VolumeResult&
   return json;
 }
 
+/// A height that the lines have no room for is made smaller; the user must learn of it.
+void warn_of_first_height(const Options& options, const SpacingReport& spacing, Progress& progress) {
+  if (!options.first_height) return;
+  const double asked = *options.first_height, unit = metres_per_unit(options.unit);
+  const double low = spacing.min_first / unit, high = spacing.max_first / unit;
+  if (low > 0.99 * asked && high < 1.01 * asked) return;
+  progress.warn(
+      fmt::format("--first-height: {:g} {} was asked for, the cells at the wall are {:.4g} to {:.4g} {} high",
+                  asked, options.unit, low, high, options.unit));
+}
+
 }  // namespace
 
 int run_mesh(const Options& options, Progress& progress) {
@@ -196,6 +207,7 @@ int run_mesh(const Options& options, Progress& progress) {
   const std::unique_ptr<AtomicFile> json_file = open_json(options);
 
   VolumeResult result = make_volume(inputs.cage, inputs.cad, settings, progress);
+  warn_of_first_height(options, result.spacing, progress);
   const Clock::time_point write_start = Clock::now();
   const bool write = options.force || all_hold(result.gates);
   if (write) {
