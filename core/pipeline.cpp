@@ -341,13 +341,6 @@ VolumeResult make_volume(const Cage& cage, const TargetSurface& target, const Vo
   const auto fit_start = Clock::now();
   SurfaceFit fit = fit_surface(cage, target, fit_settings, progress);
   const double fit_seconds = seconds_since(fit_start);
-  const int reached = static_cast<int>(fit.levels.size()) - 1;
-  if (settings.cells > 0 && reached < fit_settings.levels) {
-    progress.warn(
-        fmt::format("the tolerance is met at level {}, before the {} cells asked for are reached: "
-                    "--levels {} comes nearest to them",
-                    reached, settings.cells, fit_settings.levels));
-  }
   require_planar_rim(shell, fit, target, cage.source);
   if (settings.outer) require_enclosure(shell, fit, settings.outer->source);
 
