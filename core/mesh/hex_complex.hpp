@@ -43,7 +43,7 @@ struct SharpEdge {
 };
 
 /// Builds edges, quads, adjacency and chords. Edges where two boundary quads of different patches meet are
-/// infinitely sharp (the boundary is a 2-D Catmull-Clark surface with creases there; METHOD section 2),
+/// infinitely sharp (the boundary is a 2-D Catmull-Clark surface with creases there; docs/theory.md),
 /// `sharp` adds others. Throws Error(input) naming the place: a quad with more than two hexes, a boundary
 /// quad in no or two hexes or without patch, a non-manifold boundary, a hex with a repeated corner.
 HexComplex build_hex_complex(std::vector<Vec3> points, std::vector<HexPoints> hexes,

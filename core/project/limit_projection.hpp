@@ -24,7 +24,7 @@ struct LimitProjectionSettings {
 /// One target point for each query (status `failed` where nothing plausible lies within reach): along the
 /// limit normal to a face of compatible normal, else the nearest compatible point, else the nearest point if
 /// its normal does not oppose the limit's. On thin bodies the nearest point alone lies on the wrong side of
-/// the medial axis (METHOD section 3). `distance` is from the query to the point.
+/// the medial axis (docs/theory.md). `distance` is from the query to the point.
 std::vector<SurfacePoint> project_limit_points(const TargetSurface& target, const LimitQueries& queries,
                                                const LimitProjectionSettings& settings = {});
 

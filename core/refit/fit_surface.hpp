@@ -55,7 +55,7 @@ struct SurfaceFit {
   std::vector<std::string> warnings;         ///< also given to Progress::warn
 };
 
-/// The paper's loop with the five cures of METHOD section 3: interpolating start; feature chains by arc
+/// The paper's loop with the five additions of docs/theory.md: interpolating start; feature chains by arc
 /// length; projection along the limit normal to compatible faces with nearest point as the fall-back;
 /// hierarchical solve (corners, creases, interior) by CGLS; tangential relaxation in early passes. A pass is
 /// kept only if nothing folds and the error falls. Throws Error(input) when the cage cannot belong to the

@@ -58,7 +58,7 @@ TEST_CASE("a cube of 8 vertices becomes a sphere", "[fit]") {
   CHECK(total_folds(fit) == 0);
   CHECK(fit.max_deviation < 2e-5);
   CHECK(fit.coverage_deviation < 1.5 * fit.max_deviation);
-  // Extraordinary vertices: at least a factor 5 a level (METHOD section 2).
+  // Extraordinary vertices: at least a factor 5 a level.
   for (std::size_t l = 1; l < 4; ++l) {
     CHECK(fit.levels[l].report.max_deviation < fit.levels[l - 1].report.max_deviation / 4);
   }
