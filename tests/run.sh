@@ -2,15 +2,18 @@
 # Everything that is checked before a change is accepted, from a fresh machine on: installs what is missing, checks
 # the format, builds, runs the tests and the static checks, and sums up.
 #   ./tests/run.sh           all of it
-#   ./tests/run.sh --quick   without the slow tests and the static checks
+#   ./tests/run.sh --quick   without the slow tests
+#   ./tests/run.sh --tidy    and clang-tidy over the files that differ from main
 set -uo pipefail
 cd "$(dirname "$0")/.."
 
 quick=
+tidy=
 for argument in "$@"; do
   case $argument in
     --quick) quick=1 ;;
-    *) echo "usage: $0 [--quick]" >&2; exit 2 ;;
+    --tidy) tidy=1 ;;
+    *) echo "usage: $0 [--quick] [--tidy]" >&2; exit 2 ;;
   esac
 done
 
@@ -77,7 +80,9 @@ summary+=("skipped:     $skipped programs")
 # A test that leaves out a part prints "skipped: WHY".
 while read -r line; do summary+=("skipped:     $line"); done < <(sed -nE 's/^ *[0-9]+: *[Ss]kipped: *//p' "$log" | sort -u)
 
-if [ -z "$quick" ]; then
+if [ -z "$tidy" ]; then
+  summary+=("clang-tidy:  not run (--tidy)")
+else
   section "static checks"
   if ! command -v clang-tidy >/dev/null; then
     summary+=("clang-tidy:  skipped, clang-tidy is missing")
