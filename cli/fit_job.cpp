@@ -89,6 +89,8 @@ Json surface_json(const SurfaceFit& fit) {
                       {"seconds", r.seconds},
                       {"passes", r.passes},
                       {"folds", r.folds},
+                      {"crease_deviation", r.crease_deviation},
+                      {"edge_length_ratio", r.edge_length_ratio},
                       {"worst_place", json_of(r.worst_place)},
                       {"stopped_because", r.stopped_because}});
   }

@@ -32,6 +32,11 @@ Shape make_compound(const Shape& a, const Shape& b);
 Shape make_union(const Shape& a, const Shape& b);
 Shape make_difference(const Shape& a, const Shape& b);
 Shape translated(const Shape& shape, const Vec3& by);
+/// Body of revolution about the x axis.
+Shape make_ellipsoid(double half_length, double radius);
+/// The half of a solid where the coordinate `axis` (0 x, 1 y, 2 z) is positive, open in the plane where it is
+/// 0. Throws Error(internal) when that plane does not cut the solid.
+Shape make_half(const Shape& solid, int axis);
 
 /// Half of a symmetric airfoil: x/c from 0 (leading edge) to 1, and the thickness above the chord line, y/c.
 struct AirfoilHalf {

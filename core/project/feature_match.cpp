@@ -403,7 +403,9 @@ FeatureMatch match_features(const SurfaceLevel& level, std::span<const Vec3> poi
     const std::size_t n = match.s.size() - 1;
     std::vector<bool> pinned(n + 1, false);
     const double angle = settings.kink_angle_degrees * std::numbers::pi / 180;
-    for (double kink : kinks_of(target, match.path, angle)) {
+    const std::vector<double> kinks = kinks_of(target, match.path, angle);
+    match.turns = !kinks.empty();
+    for (const double kink : kinks) {
       std::size_t nearest = 0;
       double distance = std::numeric_limits<double>::infinity();
       for (std::size_t k = chain.closed ? 0 : 1; k < n; ++k) {

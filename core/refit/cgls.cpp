@@ -21,15 +21,15 @@ double squared_norm(std::span<const Vec3> x) {
       [](double a, double b) { return a + b; });
 }
 
-/// Applies the square root of the metric, n n^T + w (I - n n^T), to each row.
+/// Applies the square root of the metric, a d d^T + b (I - d d^T), to each row.
 void weigh(const RowMetric& metric, std::vector<Vec3>& rows) {
-  if (metric.normals.empty()) return;
+  if (metric.directions.empty()) return;
   parallel_for(static_cast<Offset>(rows.size()), grain, [&](Offset begin, Offset end) {
     for (Offset i = begin; i < end; ++i) {
-      const Vec3& n = metric.normals[i];
-      if (n.isZero(0)) continue;
-      const Vec3 along = n * n.dot(rows[i]);
-      rows[i] = along + metric.tangential_weight * (rows[i] - along);
+      const Vec3& d = metric.directions[i];
+      if (d.isZero(0)) continue;
+      const Vec3 along = d * d.dot(rows[i]);
+      rows[i] = metric.along * along + metric.across * (rows[i] - along);
     }
   });
 }

@@ -18,11 +18,12 @@ struct LeastSquaresMatrix {
 StencilTable transpose_of(const StencilTable& table);
 LeastSquaresMatrix prepare_least_squares(StencilTable rows);
 
-/// How the three coordinates of a row's residual r count: |r|^2 (no normals), or, with a unit normal n, as
-/// (n.r)^2 + w^2 |r - n (n.r)|^2: the tangent distance of Wang, Pottmann & Liu (2006) with weight w.
+/// How the three coordinates of a row's residual r count: |r|^2 (no directions), or, with a unit vector d, as
+/// (a d.r)^2 + b^2 |r - d (d.r)|^2. With d the normal, a = 1 and b < 1 that is the tangent distance of Wang,
+/// Pottmann & Liu (2006) to a surface; with d the tangent, a < 1 and b = 1 that to a curve.
 struct RowMetric {
-  std::vector<Vec3> normals;     ///< #rows, or empty; a zero normal: that row counts as |r|^2
-  double tangential_weight = 1;  ///< w
+  std::vector<Vec3> directions;  ///< #rows, or empty; a zero direction: that row counts as |r|^2
+  double along = 1, across = 1;  ///< a, b
 };
 
 struct CglsSettings {

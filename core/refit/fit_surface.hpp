@@ -19,6 +19,15 @@ struct FitSettings {
                                  ///< 2006) in the last passes instead of distances to foot points
 };
 
+/// One pass of projection and refit: errors at the fitted samples, in diagonals.
+struct PassReport {
+  double max_error = 0, rms_error = 0;
+  Index folds = 0;
+  int solver_iterations = 0;
+  double seconds = 0;    ///< since the level began
+  bool relaxed = false;  ///< places on the target were evened out: the error is across the surface only
+};
+
 /// One row of the report (CONTRACT: surface.levels). Deviations are relative to the target's diagonal,
 /// measured at points that were not fitted.
 struct LevelReport {
@@ -28,7 +37,10 @@ struct LevelReport {
   Vec3 worst_place = Vec3::Zero();
   int passes = 0, solver_iterations = 0;
   Index folds = 0;  ///< faces whose limit normal turns against the target's or flips between samples
+  double crease_deviation = 0;   ///< of matched creases from their CAD edges, halfway between fitted samples
+  double edge_length_ratio = 1;  ///< longest by shortest edge of the limit mesh, largest over its faces
   double seconds = 0;
+  std::vector<PassReport> history;
   std::string stopped_because;
 };
 

@@ -60,18 +60,21 @@ HierarchicalSystem build_hierarchical_system(const StencilTable& positions,
 
 HierarchicalResult solve_hierarchical(const HierarchicalSystem& system, std::span<const Vec3> targets,
                                       std::span<const Vec3> start, const CglsSettings& settings,
-                                      const RowMetric& metric) {
+                                      const StageMetrics& metrics) {
   HierarchicalResult result;
   result.control_points.assign(start.begin(), start.end());
   for (const StageSystem& stage : system.stages) {
     std::vector<Vec3> right_side = apply_stencils(stage.known, result.control_points);
-    RowMetric stage_metric;
-    const bool weighted = stage.stage == SolveStage::interior && !metric.normals.empty();
-    stage_metric.tangential_weight = metric.tangential_weight;
-    if (weighted) stage_metric.normals.resize(stage.rows.size());
+    static const RowMetric plain;
+    const RowMetric& metric = stage.stage == SolveStage::interior ? metrics.interior
+                              : stage.stage == SolveStage::crease ? metrics.crease
+                                                                  : plain;
+    const bool weighted = !metric.directions.empty();
+    RowMetric stage_metric{{}, metric.along, metric.across};
+    if (weighted) stage_metric.directions.resize(stage.rows.size());
     for (std::size_t i = 0; i < stage.rows.size(); ++i) {
       right_side[i] = targets[stage.rows[i]] - right_side[i];
-      if (weighted) stage_metric.normals[i] = metric.normals[stage.rows[i]];
+      if (weighted) stage_metric.directions[i] = metric.directions[stage.rows[i]];
     }
     std::vector<Vec3> x(stage.unknowns.size());
     for (std::size_t i = 0; i < x.size(); ++i) x[i] = result.control_points[stage.unknowns[i]];

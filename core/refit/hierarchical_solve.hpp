@@ -41,10 +41,15 @@ struct HierarchicalResult {
   int iterations = 0;  ///< CGLS steps of all stages
 };
 
+/// Metrics of the two later stages; each holds a direction per sample, or none.
+struct StageMetrics {
+  RowMetric crease, interior;
+};
+
 /// New control points from a target per sample (#rows of `positions`), solved stage by stage from the warm
-/// start. `metric` holds a normal per sample (or none) and is used in the interior stage only.
+/// start.
 HierarchicalResult solve_hierarchical(const HierarchicalSystem& system, std::span<const Vec3> targets,
                                       std::span<const Vec3> start, const CglsSettings& settings,
-                                      const RowMetric& metric = {});
+                                      const StageMetrics& metrics = {});
 
 }  // namespace flowcage

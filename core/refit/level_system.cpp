@@ -10,34 +10,23 @@ namespace {
 
 constexpr Offset grain = 512;
 
-void place_chain_samples(const FeatureMatch& match, const TargetSurface& target, LevelSystem& level) {
+void mark_chain_samples(const FeatureMatch& match, LevelSystem& level) {
   for (Index c = 0; c < static_cast<Index>(level.chains.size()); ++c) {
     const CreaseChain& chain = level.chains[c];
-    const ChainMatch& chain_match = match.chains[c];
-    const Index n = chain.segment_count();
-    // t counts edges of the cage; this level has 2^depth segments on each.
-    const double segments = std::ldexp(1.0, level.topology.depth);
-    const auto put = [&](Index sample, double t) {
-      if (!chain_match.matched) {
-        level.kind[sample] = SampleKind::crease;
-        return;
-      }
-      level.kind[sample] = SampleKind::chain;
+    const auto put = [&](Index sample, Index on_chain) {
+      level.kind[sample] = match.chains[c].matched ? SampleKind::chain : SampleKind::crease;
       level.sample_chain[sample] = c;
-      level.sample_s[sample] = parameter_at(chain_match, t / segments);
-      const CurvePoint point = point_on_path(target, chain_match.path, level.sample_s[sample]);
-      level.feature_position[sample] = point.position;
-      level.feature_tangent[sample] = point.tangent;
+      level.sample_on_chain[sample] = on_chain;
     };
-    for (Index i = 0; i < n; ++i) {
-      if (chain.closed || i > 0) put(chain.vertices[i], i);
-      put(level.edge_sample(chain.edges[i]), i + 0.5);
+    for (Index i = 0; i < chain.segment_count(); ++i) {
+      if (chain.closed || i > 0) put(chain.vertices[i], 2 * i);
+      put(level.edge_sample(chain.edges[i]), 2 * i + 1);
     }
     if (chain.closed) continue;
     for (const Index v : {chain.vertices.front(), chain.vertices.back()}) {
       if (v < static_cast<Index>(match.end_is_fixed.size()) && match.end_is_fixed[v]) {
         level.kind[v] = SampleKind::fixed;
-        level.feature_position[v] = match.end_position[v];
+        level.fixed_position[v] = match.end_position[v];
       } else {
         level.kind[v] = SampleKind::crease;
       }
@@ -47,18 +36,45 @@ void place_chain_samples(const FeatureMatch& match, const TargetSurface& target,
 
 }  // namespace
 
-LevelSystem build_level_system(SurfaceLevel topology, std::vector<CreaseChain> chains,
-                               const FeatureMatch& match, const TargetSurface& target) {
+ChainPlaces cage_places(const FeatureMatch& match) {
+  ChainPlaces places;
+  for (const ChainMatch& chain : match.chains) {
+    std::vector<double>& list = places.emplace_back();
+    if (!chain.matched) continue;
+    const std::size_t segments = chain.s.size() - 1;
+    for (std::size_t k = 0; k <= 2 * segments; ++k) {
+      list.push_back(k == 0              ? chain.s.front()
+                     : k == 2 * segments ? chain.s.back()
+                                         : parameter_at(chain, 0.5 * static_cast<double>(k)));
+    }
+  }
+  return places;
+}
+
+ChainPlaces child_places(const ChainPlaces& places) {
+  ChainPlaces result;
+  for (const std::vector<double>& above : places) {
+    std::vector<double>& list = result.emplace_back();
+    for (std::size_t k = 0; k < above.size(); ++k) {
+      if (k > 0) list.push_back(0.5 * (above[k - 1] + above[k]));
+      list.push_back(above[k]);
+    }
+  }
+  return result;
+}
+
+LevelSystem build_level_system(SurfaceLevel topology, std::vector<CreaseChain> chains, ChainPlaces places,
+                               const FeatureMatch& match) {
   LevelSystem level;
   level.samples = oversampled_limit_stencils(topology);
   level.topology = std::move(topology);
   level.chains = std::move(chains);
+  level.places = std::move(places);
   const std::size_t count = static_cast<std::size_t>(level.sample_count());
   level.kind.assign(count, SampleKind::surface);
   level.sample_chain.assign(count, no_index);
-  level.sample_s.assign(count, 0.0);
-  level.feature_position.assign(count, Vec3::Zero());
-  level.feature_tangent.assign(count, Vec3::Zero());
+  level.sample_on_chain.assign(count, no_index);
+  level.fixed_position.assign(count, Vec3::Zero());
 
   const std::vector<Index> sharp = sharp_edge_counts(level.topology);
   const Index vertices = level.topology.vertex_count();
@@ -79,7 +95,7 @@ LevelSystem build_level_system(SurfaceLevel topology, std::vector<CreaseChain> c
       row_stage[level.edge_sample(e)] = SolveStage::crease;
     }
   }
-  place_chain_samples(match, target, level);
+  mark_chain_samples(match, level);
   level.system = build_hierarchical_system(level.samples.position, level.vertex_stage, row_stage);
   return level;
 }

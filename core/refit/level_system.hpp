@@ -12,9 +12,18 @@ namespace flowcage {
 enum class SampleKind : std::uint8_t {
   surface,  ///< the target's faces
   crease,   ///< a crease or open edge that matched no feature: the nearest point of any face
-  chain,    ///< a matched crease: its place on the path is fixed
+  chain,    ///< a matched crease: it lies on the path
   fixed,    ///< a matched corner or dart
 };
+
+/// Per chain the path lengths of its samples in order (vertex, midpoint, vertex, ...; on a loop the last is
+/// the first plus the path's length): 2 #segments + 1 values, none where the chain matched nothing.
+using ChainPlaces = std::vector<std::vector<double>>;
+
+/// The chains' places at level 0.
+ChainPlaces cage_places(const FeatureMatch& match);
+/// One level down: the samples of the level above stay, those between lie halfway.
+ChainPlaces child_places(const ChainPlaces& places);
 
 /// One level of the loop, ready to be solved: the paper's system C V = L with everything that does not change
 /// from pass to pass. Sample order: vertices, edges' midpoints, faces' midpoints (LimitSamples).
@@ -24,9 +33,9 @@ struct LevelSystem {
   std::vector<CreaseChain> chains;       ///< same order as FeatureMatch::chains
   std::vector<SampleKind> kind;          ///< #samples
   std::vector<Index> sample_chain;       ///< #samples; the chain of `chain` samples
-  std::vector<double> sample_s;          ///< #samples; path length of `chain` samples
-  std::vector<Vec3> feature_position;    ///< #samples; exact place of `chain` and `fixed` samples
-  std::vector<Vec3> feature_tangent;     ///< #samples; the path's direction of `chain` samples
+  std::vector<Index> sample_on_chain;    ///< #samples; which of the chain's samples it is, from 0
+  ChainPlaces places;                    ///< of the chains' samples, at first
+  std::vector<Vec3> fixed_position;      ///< #samples; place of `fixed` samples
   std::vector<SolveStage> vertex_stage;  ///< #V
   HierarchicalSystem system;
 
@@ -35,9 +44,9 @@ struct LevelSystem {
   Index face_sample(Index f) const { return topology.vertex_count() + topology.edge_count() + f; }
 };
 
-/// Builds the stencils, places the samples of matched chains and sorts everything into stages.
-LevelSystem build_level_system(SurfaceLevel topology, std::vector<CreaseChain> chains,
-                               const FeatureMatch& match, const TargetSurface& target);
+/// Builds the stencils and sorts everything into stages.
+LevelSystem build_level_system(SurfaceLevel topology, std::vector<CreaseChain> chains, ChainPlaces places,
+                               const FeatureMatch& match);
 
 /// The limit mesh at the samples: what every pass measures.
 struct LimitState {

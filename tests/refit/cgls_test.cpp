@@ -75,15 +75,15 @@ TEST_CASE("CGLS agrees with a dense QR solution", "[cgls]") {
 TEST_CASE("CGLS in the tangent-plane metric agrees with the dense block system", "[cgls]") {
   const RandomSystem s = random_system(60, 10, 4, 3);
   RowMetric metric;
-  metric.tangential_weight = 0.2;
+  metric.across = 0.2;
   for (Index r = 0; r < 60; ++r) {
-    metric.normals.push_back(r % 7 == 0 ? Vec3(Vec3::Zero()) : Vec3(s.right_side[r].normalized()));
+    metric.directions.push_back(r % 7 == 0 ? Vec3(Vec3::Zero()) : Vec3(s.right_side[r].normalized()));
   }
   Eigen::MatrixXd a = Eigen::MatrixXd::Zero(180, 30);
   Eigen::VectorXd b(180);
   for (Index r = 0; r < 60; ++r) {
     Eigen::Matrix3d root = Eigen::Matrix3d::Identity();
-    const Vec3& n = metric.normals[r];
+    const Vec3& n = metric.directions[r];
     if (!n.isZero(0)) root = n * n.transpose() + 0.2 * (Eigen::Matrix3d::Identity() - n * n.transpose());
     for (Index c = 0; c < 10; ++c) a.block<3, 3>(3 * r, 3 * c) = s.dense(r, c) * root;
     b.segment<3>(3 * r) = root * s.right_side[r];

@@ -1,5 +1,6 @@
 // Cages as a user would draw them, for the tests of the loop.
 #pragma once
+#include <array>
 #include <cmath>
 #include <initializer_list>
 #include <numbers>
@@ -162,6 +163,101 @@ inline Cage wing_cage(const WingCageShape& wing) {
   add_face(cage, {front, back, tip + 5, tip + 4});
   add_face(cage, {front, tip + 3, tip + 2});
   add_face(cage, {front, tip + 4, tip + 3});
+  return cage;
+}
+
+/// Half of a fuselage (an ellipsoid about x, cut by y = 0) with a wing at half height (occ_bridge's HalfWing,
+/// its root's leading edge at wing_x): open in the plane y = 0, a crease where the wing leaves the fuselage.
+struct WingedFuselageShape {
+  double half_length = 2, radius = 0.4;
+  double wing_x = -0.7, root_chord = 1, tip_chord = 0.6, semi_span = 1.8, sweep_degrees = 25;
+  double thickness = 0.12;
+};
+
+inline Cage winged_fuselage_cage(const WingedFuselageShape& body) {
+  Cage cage = empty_cage();
+  const auto radius_at = [&](double x) {
+    return body.radius * std::sqrt(std::max(0.0, 1 - x * x / (body.half_length * body.half_length)));
+  };
+  const double sweep = std::tan(body.sweep_degrees * std::numbers::pi / 180);
+  const auto wing_point = [&](double y, double along, double side) {
+    const double part = y / body.semi_span;
+    const double chord = body.root_chord + part * (body.tip_chord - body.root_chord);
+    return Vec3(body.wing_x + y * sweep + along * chord, y,
+                side * chord * naca_half_thickness(along, body.thickness, 0));
+  };
+  // Where a line of the wing meets the fuselage.
+  const auto root_point = [&](double along, double side) {
+    double y = body.radius;
+    for (int i = 0; i < 20; ++i) {
+      const Vec3 p = wing_point(y, along, side);
+      y = std::sqrt(std::max(1e-6, std::pow(radius_at(p.x()), 2) - p.z() * p.z()));
+    }
+    return wing_point(y, along, side);
+  };
+  struct Station {
+    double along, side;
+  };
+  const std::vector<Station> section{{1, 1}, {0.65, 1}, {0.2, 1}, {0, 0}, {0.2, -1}, {0.65, -1}};
+  for (const Station& s : section) cage.points.push_back(root_point(s.along, s.side));
+  for (const Station& s : section) cage.points.push_back(wing_point(body.semi_span, s.along, s.side));
+  const Index front = 12, back = 13;
+  cage.points.push_back(wing_point(body.semi_span, 0.2, 0));
+  cage.points.push_back(wing_point(body.semi_span, 0.6, 0));
+  for (Index i = 0; i < 6; ++i) {
+    const Index j = (i + 1) % 6;
+    add_face(cage, {i, 6 + i, 6 + j, j});
+    add_crease(cage, i, j);
+    add_crease(cage, 6 + i, 6 + j);
+  }
+  add_crease(cage, 0, 6);
+  add_face(cage, {11, back, 7, 6});
+  add_face(cage, {back, front, 8, 7});
+  add_face(cage, {front, back, 11, 10});
+  add_face(cage, {front, 9, 8});
+  add_face(cage, {front, 10, 9});
+
+  // Rings round the fuselage from the tail to the nose: top, upper, (wing or side), lower, bottom.
+  struct Ring {
+    double x;
+    Index upper, lower;  // points at the side: the same, or the wing's two
+  };
+  const double tail = 0.72 * body.half_length;
+  const auto side_point = [&](double x) {
+    cage.points.emplace_back(x, radius_at(x), 0);
+    return static_cast<Index>(cage.points.size()) - 1;
+  };
+  const Index tail_side = side_point(tail), nose_side = side_point(-tail);
+  const std::vector<Ring> rings{{tail, tail_side, tail_side}, {cage.points[0].x(), 0, 0},
+                                {cage.points[1].x(), 1, 5},   {cage.points[2].x(), 2, 4},
+                                {cage.points[3].x(), 3, 3},   {-tail, nose_side, nose_side}};
+  std::vector<std::array<Index, 6>> rows;
+  for (const Ring& ring : rings) {
+    const double r = radius_at(ring.x);
+    const Index first = static_cast<Index>(cage.points.size());
+    for (const double angle : {90.0, 45.0, -45.0, -90.0}) {
+      const double a = angle * std::numbers::pi / 180;
+      cage.points.emplace_back(ring.x, angle == 90 || angle == -90 ? 0 : r * std::cos(a), r * std::sin(a));
+    }
+    rows.push_back({first, first + 1, ring.upper, ring.lower, first + 2, first + 3});
+  }
+  for (std::size_t i = 0; i + 1 < rows.size(); ++i) {
+    for (const std::size_t k : {0U, 1U, 3U, 4U}) {
+      add_face(cage, {rows[i][k], rows[i][k + 1], rows[i + 1][k + 1], rows[i + 1][k]});
+    }
+  }
+  for (const bool at_tail : {true, false}) {
+    const auto& row = at_tail ? rows.front() : rows.back();
+    const Index pole = static_cast<Index>(cage.points.size());
+    cage.points.emplace_back(at_tail ? body.half_length : -body.half_length, 0, 0);
+    if (at_tail) {
+      add_face(cage, {pole, row[2], row[1], row[0]});
+      add_face(cage, {pole, row[5], row[4], row[2]});
+    } else {
+      add_face(cage, {pole, row[0], row[1], row[2]});
+      add_face(cage, {pole, row[2], row[4], row[5]});
+    }
+  }
   return cage;
 }
 

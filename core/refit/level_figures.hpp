@@ -1,0 +1,18 @@
+#pragma once
+#include <span>
+
+#include "core/refit/level_system.hpp"
+
+namespace flowcage {
+
+/// Largest distance, in metres, of matched creases and open edges from the CAD edges that they follow: at
+/// places of the limit curve halfway between the samples of the level above, which were not fitted.
+/// level: one level below the fitted one; points: its #V control points.
+double crease_deviation(const LevelSystem& level, const FeatureMatch& match, const TargetSurface& target,
+                        std::span<const Vec3> points);
+
+/// Longest by shortest edge of a face of the limit mesh, the largest over all faces; infinite where an edge
+/// has no length. points: #V limit points.
+double edge_length_ratio(const SurfaceLevel& level, std::span<const Vec3> points);
+
+}  // namespace flowcage

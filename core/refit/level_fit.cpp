@@ -1,0 +1,151 @@
+#include "core/refit/level_fit.hpp"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+
+namespace flowcage {
+namespace {
+
+using Clock = std::chrono::steady_clock;  // for the report's seconds only: no result depends on it
+
+/// Weights of the way along the target in tangent-distance passes, one after the other: the first is robust
+/// on coarse levels, the second exact.
+constexpr std::array tangential_weights{0.1, 0.03};
+
+CglsSettings pass_cgls(const FitSettings& settings) {
+  CglsSettings cgls;
+  cgls.max_iterations = settings.max_cgls_iterations;
+  cgls.tolerance = 1e-4;
+  cgls.damping = 1e-3;  // far below the columns' norms: it only steadies singular systems
+  return cgls;
+}
+
+/// What the passes go through: relaxed passes, then one phase for each weight (point distance: one phase).
+class LevelPasses {
+ public:
+  LevelPasses(const LevelFitInput& input, LevelFitResult& result)
+      : input_(input), result_(result), cgls_(pass_cgls(input.settings)) {}
+
+  void run(const std::vector<Vec3>& control_points) {
+    const int relaxing = std::max(0, 5 - 2 * input_.level.topology.depth);
+    const bool tangent = input_.settings.tangent_distance;
+    mode_ = {relaxing > 0 ? 0.5 : 0, tangent && input_.level.topology.depth > 0};
+    best() = evaluate_pass(input_.level, input_.match, input_.target, control_points, mode_, nullptr);
+    for (int pass = 1; pass < relaxing; ++pass) {
+      if (!improve({}, 2.0)) break;  // relaxation asks too much here: go on without it
+    }
+    mode_ = {0, tangent};
+    best() = evaluate_pass(input_.level, input_.match, input_.target, best().control_points, mode_, &best());
+    if (!tangent) return converge(1);
+    for (const double weight : tangential_weights) converge(weight);
+  }
+
+ private:
+  FitPass& best() { return result_.best; }
+
+  /// Passes of one kind until they gain little.
+  void converge(double weight) {
+    const bool tangent = input_.settings.tangent_distance;
+    while (result_.passes < input_.settings.max_passes) {
+      const double before = best().score();
+      const StageMetrics metrics = tangent ? tangent_metrics(input_.level, best(), weight) : StageMetrics{};
+      if (!improve(metrics, 1.0)) return;
+      const double gain = before > 0 ? 1 - best().score() / before : 0;
+      result_.stopped_because = "converged";
+      if (gain < 0.02) return;
+    }
+    result_.stopped_because = "passes used up";
+  }
+
+  /// One pass of refit and projection; halves its step until it is acceptable. False when none is.
+  bool improve(const StageMetrics& metrics, double allowed) {
+    HierarchicalResult solved =
+        solve_hierarchical(input_.level.system, best().targets, best().control_points, cgls_, metrics);
+    result_.iterations += solved.iterations;
+    ++result_.passes;
+    FitPass next = evaluated(std::move(solved.control_points));
+    for (int damped = 0; damped < 4 && !acceptable(next, allowed); ++damped) {
+      std::vector<Vec3> half(next.control_points.size());
+      for (std::size_t v = 0; v < half.size(); ++v) {
+        half[v] = 0.5 * (best().control_points[v] + next.control_points[v]);
+      }
+      next = evaluated(std::move(half));
+    }
+    if (!acceptable(next, allowed)) {
+      result_.stopped_because =
+          next.folds > best().folds ? "a further pass would fold" : "the error fell no further";
+      return false;
+    }
+    best() = std::move(next);
+    const double diagonal = input_.target.diagonal();
+    const std::chrono::duration<double> seconds = Clock::now() - start_;
+    result_.history.push_back({best().max / diagonal, best().rms / diagonal, best().folds, result_.iterations,
+                               seconds.count(), mode_.relaxation > 0});
+    return true;
+  }
+
+  FitPass evaluated(std::vector<Vec3> control_points) {
+    impose_planes(input_.planes, input_.level.chains, control_points);
+    return evaluate_pass(input_.level, input_.match, input_.target, std::move(control_points), mode_,
+                         &best());
+  }
+
+  bool acceptable(const FitPass& next, double allowed) {
+    return next.folds < best().folds ||
+           (next.folds == best().folds && next.score() < allowed * best().score());
+  }
+
+  const LevelFitInput& input_;
+  LevelFitResult& result_;
+  CglsSettings cgls_;
+  PassMode mode_;
+  Clock::time_point start_ = Clock::now();
+};
+
+}  // namespace
+
+std::vector<Vec3> interpolating_start(const LevelFitInput& input, const std::vector<Vec3>& cage_points) {
+  const LevelSystem& level = input.level;
+  const LimitState limit = limit_state(level, cage_points);
+  const std::size_t vertices = cage_points.size();
+  LimitProjectionSettings projection;
+  projection.reach = 3;
+  const std::vector<SurfacePoint> feet =
+      project_samples(level, input.target, cage_points, limit, {}, projection);
+  std::vector<Vec3> targets = limit.points;
+  for (std::size_t v = 0; v < vertices; ++v) {
+    if (level.kind[v] == SampleKind::fixed) {
+      targets[v] = level.fixed_position[v];
+    } else if (level.kind[v] == SampleKind::chain) {
+      const Index chain = level.sample_chain[v];
+      const double s = level.places[chain][level.sample_on_chain[v]];
+      targets[v] = point_on_path(input.target, input.match.chains[chain].path, s).position;
+    } else if (feet[v].status != FootStatus::failed) {
+      targets[v] = feet[v].position;
+    }
+  }
+  targets.resize(vertices);
+  StencilTable vertex_rows = level.samples.position;
+  const Offset entries = vertex_rows.offsets[vertices];
+  vertex_rows.offsets.resize(vertices + 1);
+  vertex_rows.indices.resize(static_cast<std::size_t>(entries));
+  vertex_rows.weights.resize(static_cast<std::size_t>(entries));
+  const HierarchicalSystem system =
+      build_hierarchical_system(vertex_rows, level.vertex_stage, level.vertex_stage);
+  CglsSettings cgls = pass_cgls(input.settings);
+  // Interpolation is singular on a cube (the alternating vector has the limit 0) and nearly so on others.
+  cgls.damping = 0.1;
+  cgls.tolerance = 1e-8;
+  HierarchicalResult solved = solve_hierarchical(system, targets, cage_points, cgls);
+  impose_planes(input.planes, level.chains, solved.control_points);
+  return solved.control_points;
+}
+
+LevelFitResult fit_level(const LevelFitInput& input, const std::vector<Vec3>& control_points) {
+  LevelFitResult result;
+  LevelPasses(input, result).run(control_points);
+  return result;
+}
+
+}  // namespace flowcage
