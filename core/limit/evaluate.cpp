@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cassert>
+#include <optional>
 
 #include "core/base/parallel.hpp"
 #include "core/limit/corner_patch.hpp"
 #include "core/limit/limit_stencils.hpp"
+#include "core/mesh/mirror.hpp"
 #include "core/mesh/stencil_builder.hpp"
 #include "core/subdivide/refine.hpp"
 
@@ -115,7 +117,8 @@ struct LimitEvaluator::Tables {
   std::vector<SurfaceLevel> levels;  // the given one to the one that the patches lie on
   StencilTable refine;               // vertices of the last in those of the first
   PatchShapes shapes;
-  std::vector<int> face_shape;  // by face of the last level
+  std::vector<int> face_shape;            // by face of the last level
+  std::optional<MirrorExtension> around;  // the last level with its mirror images
 
   QuadPlace find(const LimitLocation& at) const {
     assert(at.face >= 0 && at.face < levels.front().face_count());
@@ -130,21 +133,27 @@ struct LimitEvaluator::Tables {
     return place;
   }
 
-  // Calls add(row, vertex, weight) for position (0), du (1) and dv (2).
+  // Calls add(row, vertex, weight, weights by axis) for position (0), du (1) and dv (2).
   template <typename Add>
   void for_each_term(const LimitLocation& at, const Add& add) const {
     const QuadPlace place = find(at);
     const PatchRows rows = shapes.evaluate(face_shape[place.face], place.s, place.t);
-    const std::vector<Index> vertices = Neighbourhood(levels.back(), place.face).vertices();
+    const std::vector<Index> vertices = Neighbourhood(around->level(), place.face).vertices();
+    const MirrorFold* const fold = around->fold();
     for (std::size_t i = 0; i < vertices.size(); ++i) {
       if (vertices[i] == no_index) continue;
       const auto column = rows.col(static_cast<Eigen::Index>(i));
       const double du = column[1] * place.s_u + column[2] * place.t_u;
       const double dv = column[1] * place.s_v + column[2] * place.t_v;
-      for (Offset k = refine.offsets[vertices[i]]; k < refine.offsets[vertices[i] + 1]; ++k) {
-        add(0, refine.indices[k], column[0] * refine.weights[k]);
-        add(1, refine.indices[k], du * refine.weights[k]);
-        add(2, refine.indices[k], dv * refine.weights[k]);
+      const Index vertex = fold == nullptr ? vertices[i] : fold->original_of(vertices[i]);
+      const Vec3 factors = fold == nullptr ? Vec3::Ones() : fold->factors(vertices[i]);
+      for (Offset k = refine.offsets[vertex]; k < refine.offsets[vertex + 1]; ++k) {
+        const double weight = refine.weights[k];
+        const Vec3 by_axis = fold == nullptr ? Vec3(Vec3::Constant(weight))
+                                             : Vec3(factors.cwiseProduct(refine.term_weights(k)));
+        add(0, refine.indices[k], column[0] * weight, Vec3(column[0] * by_axis));
+        add(1, refine.indices[k], du * weight, Vec3(du * by_axis));
+        add(2, refine.indices[k], dv * weight, Vec3(dv * by_axis));
       }
     }
   }
@@ -160,9 +169,9 @@ LimitEvaluator::LimitEvaluator(SurfaceLevel level) {
     tables->levels.push_back(build_child_level(tables->levels[1]));
     tables->refine = compose(refinement_stencils(tables->levels[1]), tables->refine);
   }
-  const SurfaceLevel& last = tables->levels.back();
-  for (Index f = 0; f < last.face_count(); ++f) {
-    tables->face_shape.push_back(tables->shapes.prepare(Neighbourhood(last, f).shape));
+  tables->around.emplace(tables->levels.back());
+  for (Index f = 0; f < tables->levels.back().face_count(); ++f) {
+    tables->face_shape.push_back(tables->shapes.prepare(Neighbourhood(tables->around->level(), f).shape));
   }
   tables_ = std::move(tables);
 }
@@ -172,24 +181,34 @@ LimitEvaluator& LimitEvaluator::operator=(LimitEvaluator&&) noexcept = default;
 
 LimitPoint LimitEvaluator::evaluate(std::span<const Vec3> points, const LimitLocation& at) const {
   assert(static_cast<Index>(points.size()) == tables_->levels.front().vertex_count());
+  const Vec3& origin = tables_->refine.mirrors.value;
   std::array<Vec3, 3> sum{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
-  tables_->for_each_term(at,
-                         [&](int row, Index vertex, double weight) { sum[row] += weight * points[vertex]; });
-  return {sum[0], sum[1], sum[2]};
+  tables_->for_each_term(at, [&](int row, Index vertex, double, const Vec3& by_axis) {
+    sum[row] += by_axis.cwiseProduct(points[vertex] - origin);
+  });
+  return {sum[0] + origin, sum[1], sum[2]};
 }
 
 EvaluationStencils evaluation_stencils(const LimitEvaluator& evaluator,
                                        std::span<const LimitLocation> locations) {
   const LimitEvaluator::Tables& all = *evaluator.tables_;
+  const MirrorFold* const fold = all.around->fold();
   auto tables = build_stencil_tables<3>(
       static_cast<Offset>(locations.size()), all.levels.front().vertex_count(),
       [&](Index begin, Index end, std::span<StencilWriter, 3> out) {
         for (Index i = begin; i < end; ++i) {
-          all.for_each_term(locations[i],
-                            [&](int row, Index vertex, double weight) { out[row].add(vertex, weight); });
+          all.for_each_term(locations[i], [&](int row, Index vertex, double weight, const Vec3& by_axis) {
+            if (fold == nullptr) {
+              out[row].add(vertex, weight);
+            } else {
+              out[row].add(vertex, weight, by_axis);
+            }
+          });
           for (StencilWriter& writer : out) writer.end_row();
         }
-      });
+      },
+      fold);
+  tables[1].of_vectors = tables[2].of_vectors = true;
   return {std::move(tables[0]), std::move(tables[1]), std::move(tables[2])};
 }
 

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "core/limit/limit_masks.hpp"
+#include "core/mesh/mirror.hpp"
 #include "core/mesh/stencil_builder.hpp"
 #include "core/subdivide/refine.hpp"
 
@@ -46,9 +47,11 @@ class VertexRing {
   }
 
   const LimitRing& ring() const { return ring_; }
+  Index number() const { return vertex_; }
 
   // Ends the row that writes `weights` of the last ring in the points of this level. Changes `weights`.
-  void write(RingWeights& weights, StencilWriter& out) {
+  // `lies_in`: as in StencilWriter::end_row.
+  void write(RingWeights& weights, StencilWriter& out, unsigned lies_in = 0) {
     for (int k = levels_ - 1; k >= 0; --k) {
       for (std::size_t i = 0; i < edge_sharpness_.size(); ++i) {
         final_sharpness_[i] = decayed(edge_sharpness_[i], k);
@@ -73,7 +76,7 @@ class VertexRing {
         for (const Index v : row) out.add(v, weights.faces[i] / static_cast<double>(row.size()));
       }
     }
-    out.end_row();
+    out.end_row(lies_in);
   }
 
  private:
@@ -112,51 +115,72 @@ class SmoothMasks {
   std::vector<std::optional<Masks>> masks_;
 };
 
+// Sectors of the extended level's vertex that have a face of the level itself.
+void list_own_sectors(const MirrorExtension& extension, const VertexRing& vertex,
+                      std::vector<SmoothSector>& sectors) {
+  list_sectors(vertex.ring(), sectors);
+  if (extension.planes_of(vertex.number()) == 0) return;
+  const auto faces = extension.level().vertex_faces[vertex.number()];
+  std::erase_if(sectors, [&](const SmoothSector& sector) {
+    for (int k = 0; k < sector.face_count; ++k) {
+      if (extension.is_own_face(faces[(sector.first_edge + k) % vertex.ring().edge_count])) return false;
+    }
+    return true;
+  });
+}
+
 // Rows of both tangents: of each vertex's first sector or of all its sectors.
 TangentStencils tangent_rows(const SurfaceLevel& level, bool all_sectors) {
-  auto tables = build_stencil_tables<2>(level.vertex_count(), level.vertex_count(),
-                                        [&](Index begin, Index end, std::span<StencilWriter, 2> out) {
-                                          VertexRing vertex(level);
-                                          SmoothMasks smooth;
-                                          RingWeights u, v;
-                                          std::vector<SmoothSector> sectors;
-                                          for (Index i = begin; i < end; ++i) {
-                                            vertex.visit(i);
-                                            list_sectors(vertex.ring(), sectors);
-                                            if (!all_sectors) sectors.resize(1);
-                                            for (const SmoothSector& sector : sectors) {
-                                              if (vertex.ring().rule == VertexRule::smooth) {
-                                                u = smooth.of(sector.face_count).u;
-                                                v = smooth.of(sector.face_count).v;
-                                              } else {
-                                                limit_tangent_masks(vertex.ring(), sector, u, v);
-                                              }
-                                              vertex.write(u, out[0]);
-                                              vertex.write(v, out[1]);
-                                            }
-                                          }
-                                        });
+  const MirrorExtension extension(level);
+  auto tables = build_stencil_tables<2>(
+      level.vertex_count(), level.vertex_count(),
+      [&](Index begin, Index end, std::span<StencilWriter, 2> out) {
+        VertexRing vertex(extension.level());
+        SmoothMasks smooth;
+        RingWeights u, v;
+        std::vector<SmoothSector> sectors;
+        for (Index i = begin; i < end; ++i) {
+          vertex.visit(i);
+          list_own_sectors(extension, vertex, sectors);
+          if (!all_sectors) sectors.resize(1);
+          for (const SmoothSector& sector : sectors) {
+            if (vertex.ring().rule == VertexRule::smooth) {
+              u = smooth.of(sector.face_count).u;
+              v = smooth.of(sector.face_count).v;
+            } else {
+              limit_tangent_masks(vertex.ring(), sector, u, v);
+            }
+            vertex.write(u, out[0]);
+            vertex.write(v, out[1]);
+          }
+        }
+      },
+      extension.fold());
+  for (StencilTable& table : tables) table.of_vectors = true;
   return {std::move(tables[0]), std::move(tables[1])};
 }
 
 }  // namespace
 
 StencilTable limit_stencils(const SurfaceLevel& level) {
-  return build_stencils(level.vertex_count(), level.vertex_count(),
-                        [&](Index begin, Index end, StencilWriter& out) {
-                          VertexRing vertex(level);
-                          SmoothMasks smooth;
-                          RingWeights position;
-                          for (Index v = begin; v < end; ++v) {
-                            vertex.visit(v);
-                            if (vertex.ring().rule == VertexRule::smooth) {
-                              position = smooth.of(vertex.ring().edge_count).position;
-                            } else {
-                              limit_position_mask(vertex.ring(), position);
-                            }
-                            vertex.write(position, out);
-                          }
-                        });
+  const MirrorExtension extension(level);
+  return build_stencils(
+      level.vertex_count(), level.vertex_count(),
+      [&](Index begin, Index end, StencilWriter& out) {
+        VertexRing vertex(extension.level());
+        SmoothMasks smooth;
+        RingWeights position;
+        for (Index v = begin; v < end; ++v) {
+          vertex.visit(v);
+          if (vertex.ring().rule == VertexRule::smooth) {
+            position = smooth.of(vertex.ring().edge_count).position;
+          } else {
+            limit_position_mask(vertex.ring(), position);
+          }
+          vertex.write(position, out, extension.planes_of(v));
+        }
+      },
+      extension.fold());
 }
 
 TangentStencils tangent_stencils(const SurfaceLevel& level) {
@@ -166,15 +190,17 @@ TangentStencils tangent_stencils(const SurfaceLevel& level) {
 SectorTangents sector_tangent_stencils(const SurfaceLevel& level) {
   SectorTangents result;
   result.first_sector.push_back(0);
-  VertexRing vertex(level);
+  const MirrorExtension extension(level);
+  VertexRing vertex(extension.level());
   std::vector<SmoothSector> sectors;
   for (Index v = 0; v < level.vertex_count(); ++v) {
     vertex.visit(v);
-    list_sectors(vertex.ring(), sectors);
-    const auto faces = level.vertex_faces[v];
+    list_own_sectors(extension, vertex, sectors);
+    const auto faces = extension.level().vertex_faces[v];
     for (const SmoothSector& sector : sectors) {
       for (int k = 0; k < sector.face_count; ++k) {
-        result.faces.values.push_back(faces[(sector.first_edge + k) % vertex.ring().edge_count]);
+        const Index f = faces[(sector.first_edge + k) % vertex.ring().edge_count];
+        if (extension.is_own_face(f)) result.faces.values.push_back(f);
       }
       result.faces.offsets.push_back(static_cast<Offset>(result.faces.values.size()));
     }

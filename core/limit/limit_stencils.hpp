@@ -9,8 +9,8 @@ namespace flowcage {
 /// Limit position of each control vertex: one row a vertex. Interior of valence n: (n^2 P + 4 sum E + sum
 /// F)/(n(n+5)) (Stam 1998); crease and boundary (1,4,1)/6; corner P; darts by their own left eigenvector;
 /// semi-sharp features and vertices with n-gons through symbolic refinement of the vertex's ring until the
-/// mask holds. The rows sum to 1. The same limit in the points of any finer level: rows are invariant under
-/// refinement.
+/// mask holds. At mirrored edges the smooth surface goes on as its image (mirror.hpp). The rows sum to 1. The
+/// same limit in the points of any finer level: rows are invariant under refinement.
 StencilTable limit_stencils(const SurfaceLevel& level);
 
 /// Tangents of each vertex: two tables like limit_stencils. Rows sum to 0; not normalised; u x v points to
@@ -24,7 +24,8 @@ TangentStencils tangent_stencils(const SurfaceLevel& level);
 
 /// Tangents by vertex and smooth sector: the faces between two neighbouring sharp (or boundary) edges.
 /// Sectors of vertex v are [first_sector[v], first_sector[v + 1]), counter-clockwise; a vertex without sharp
-/// edges has one. Semi-sharp edges decay to nothing, hence do not bound sectors.
+/// edges has one. Semi-sharp edges decay to nothing, hence do not bound sectors. At a mirrored edge a sector
+/// goes on beyond the plane; sectors of images alone, and images among the faces, are left out.
 /// Example: vertex 0 smooth of valence 3, vertex 1 on a crease through four faces 5 6 7 8:
 ///   first_sector 0 1 3, faces (0 1 2) (5 6) (7 8), u and v have three rows.
 struct SectorTangents {

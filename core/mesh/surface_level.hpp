@@ -1,9 +1,11 @@
 #pragma once
 #include <array>
+#include <cstdint>
 #include <vector>
 
 #include "core/base/csr.hpp"
 #include "core/mesh/cage.hpp"
+#include "core/mesh/mirror_planes.hpp"
 
 namespace flowcage {
 
@@ -27,11 +29,14 @@ struct SurfaceLevel {
   std::vector<std::array<Index, 2>> edge_faces;  ///< #E; the second is no_index on the boundary
   Csr<Index> vertex_edges;                       ///< #V rows
   Csr<Index> vertex_faces;                       ///< #V rows
-  std::vector<double> edge_sharpness;            ///< #E; boundary edges are infinitely_sharp
+  std::vector<double> edge_sharpness;            ///< #E; boundary edges are infinitely_sharp unless mirrored
   std::vector<double>
       vertex_sharpness;           ///< #V; a boundary vertex with one face is a corner (infinitely_sharp)
   std::vector<Index> face_patch;  ///< #F, inherited
   int depth = 0;                  ///< 0 for the cage
+  MirrorPlanes mirrors;           ///< of half models (mirror.hpp)
+  std::vector<std::int8_t>
+      edge_mirror_axis;  ///< #E, empty without mirrors; the plane a boundary edge is mirrored at, or -1
 
   Index vertex_count() const { return vertex_edges.size(); }
   Index edge_count() const { return static_cast<Index>(edge_vertices.size()); }

@@ -5,6 +5,7 @@
 
 #include "core/base/error.hpp"
 #include "core/base/parallel.hpp"
+#include "core/mesh/mirror.hpp"
 #include "core/mesh/stencil_builder.hpp"
 #include "core/subdivide/masks.hpp"
 
@@ -84,12 +85,15 @@ void make_child_edges(const SurfaceLevel& parent, SurfaceLevel& child) {
   child.edge_vertices.resize(count);
   child.edge_faces.resize(count);
   child.edge_sharpness.assign(count, 0);
+  child.mirrors = parent.mirrors;
+  if (parent.mirrors.any()) child.edge_mirror_axis.assign(count, -1);
   parallel_for(n.E, loop_grain, [&](Offset begin, Offset end) {
     for (Index e = static_cast<Index>(begin); e < end; ++e) {
       const double sharpness = decayed_sharpness(parent.edge_sharpness[e]);
       for (Index s = 0; s < 2; ++s) {
         child.edge_vertices[2 * e + s] = {parent.edge_vertices[e][s], n.V + e};
         child.edge_sharpness[2 * e + s] = sharpness;
+        if (parent.mirrors.any()) child.edge_mirror_axis[2 * e + s] = parent.edge_mirror_axis[e];
       }
       child.edge_faces[2 * e] = child.edge_faces[2 * e + 1] = {no_index, no_index};
       for (Index side = 0; side < 2; ++side) {
@@ -209,11 +213,15 @@ class VertexMasks {
   std::vector<double> sharpness_;
 };
 
-std::vector<Vec3> refine_once(const SurfaceLevel& level, const std::vector<Vec3>& points) {
-  const Counts n = counts_of(level);
-  std::vector<Vec3> result(static_cast<std::size_t>(n.V) + n.E + n.F);
+std::vector<Vec3> refine_once(const SurfaceLevel& own_level, std::vector<Vec3> points) {
+  const MirrorExtension extension(own_level);
+  const SurfaceLevel& level = extension.level();
+  const Counts n = counts_of(own_level);
+  const Index all_faces = level.face_count();
+  if (extension.fold() != nullptr) points = extension.extend(points);
+  std::vector<Vec3> result(static_cast<std::size_t>(n.V) + n.E + all_faces);
   const Vec3* const face_points = result.data() + n.V + n.E;
-  parallel_for(n.F, loop_grain, [&](Offset begin, Offset end) {
+  parallel_for(all_faces, loop_grain, [&](Offset begin, Offset end) {
     for (Index f = static_cast<Index>(begin); f < end; ++f) {
       const auto row = level.face_vertices[f];
       Vec3 sum = points[row[0]];
@@ -229,6 +237,7 @@ std::vector<Vec3> refine_once(const SurfaceLevel& level, const std::vector<Vec3>
       if (mask.face != 0) {
         point += mask.face * (face_points[level.edge_faces[e][0]] + face_points[level.edge_faces[e][1]]);
       }
+      put_into_planes(extension.planes_of_edge(e), own_level.mirrors.value, point);
       result[n.V + e] = point;
     }
   });
@@ -251,9 +260,11 @@ std::vector<Vec3> refine_once(const SurfaceLevel& level, const std::vector<Vec3>
         point +=
             mask.crease * (other_end(edges[mask.crease_edges[0]]) + other_end(edges[mask.crease_edges[1]]));
       }
+      put_into_planes(extension.planes_of(v), own_level.mirrors.value, point);
       result[v] = point;
     }
   });
+  result.resize(static_cast<std::size_t>(n.V) + n.E + n.F);
   return result;
 }
 
@@ -277,8 +288,10 @@ SurfaceLevel build_child_level(const SurfaceLevel& parent) {
   return child;
 }
 
-StencilTable refinement_stencils(const SurfaceLevel& parent) {
-  const Counts n = counts_of(parent);
+StencilTable refinement_stencils(const SurfaceLevel& level) {
+  const MirrorExtension extension(level);
+  const SurfaceLevel& parent = extension.level();
+  const Counts n = counts_of(level);
   const auto add_face = [&](StencilWriter& out, Index f, double weight) {
     const auto row = parent.face_vertices[f];
     for (const Index v : row) out.add(v, weight / static_cast<double>(row.size()));
@@ -306,19 +319,24 @@ StencilTable refinement_stencils(const SurfaceLevel& parent) {
       for (const int i : mask.crease_edges) add_other_end(edges[i], mask.crease);
     }
   };
-  return build_stencils(Offset{n.V} + n.E + n.F, n.V, [&](Index begin, Index end, StencilWriter& out) {
-    VertexMasks masks(parent);
-    for (Index child = begin; child < end; ++child) {
-      if (child < n.V) {
-        add_vertex_point(out, child, masks.of(child));
-      } else if (child < n.V + n.E) {
-        add_edge_point(out, child - n.V);
-      } else {
-        add_face(out, child - n.V - n.E, 1);
-      }
-      out.end_row();
-    }
-  });
+  return build_stencils(
+      Offset{n.V} + n.E + n.F, n.V,
+      [&](Index begin, Index end, StencilWriter& out) {
+        VertexMasks masks(parent);
+        for (Index child = begin; child < end; ++child) {
+          if (child < n.V) {
+            add_vertex_point(out, child, masks.of(child));
+            out.end_row(extension.planes_of(child));
+          } else if (child < n.V + n.E) {
+            add_edge_point(out, child - n.V);
+            out.end_row(extension.planes_of_edge(child - n.V));
+          } else {
+            add_face(out, child - n.V - n.E, 1);
+            out.end_row();
+          }
+        }
+      },
+      extension.fold());
 }
 
 std::vector<SurfaceLevel> build_levels(const Cage& cage, int depth) {
@@ -329,7 +347,7 @@ std::vector<SurfaceLevel> build_levels(const Cage& cage, int depth) {
 
 std::vector<Vec3> refine_points(std::span<const SurfaceLevel> levels, std::vector<Vec3> points) {
   assert(!levels.empty() && static_cast<Index>(points.size()) == levels.front().vertex_count());
-  for (std::size_t k = 0; k + 1 < levels.size(); ++k) points = refine_once(levels[k], points);
+  for (std::size_t k = 0; k + 1 < levels.size(); ++k) points = refine_once(levels[k], std::move(points));
   return points;
 }
 

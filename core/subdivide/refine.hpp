@@ -9,13 +9,14 @@ namespace flowcage {
 
 /// Catmull-Clark refinement (Catmull & Clark 1978) with infinitely sharp and semi-sharp creases, corners and
 /// darts (DeRose, Kass & Truong 1998), uniform crease decay by 1 a level, and boundaries by the
-/// edge-and-corner rule; agrees with OpenSubdiv (tests/oracle). Numbering of children: see SurfaceLevel.
+/// edge-and-corner rule, or as inner edges where they are mirrored (mirror.hpp); agrees with OpenSubdiv
+/// (tests/oracle). Numbering of children: see SurfaceLevel.
 
 /// Topology and sharpness of the next level.
 SurfaceLevel build_child_level(const SurfaceLevel& parent);
 
-/// Child points as combinations of the parent's: #V + #E + #F rows in the child's vertex order.
-StencilTable refinement_stencils(const SurfaceLevel& parent);
+/// Child points as combinations of the level's: #V + #E + #F rows in the child's vertex order.
+StencilTable refinement_stencils(const SurfaceLevel& level);
 
 /// A cage's levels 0 .. depth.
 std::vector<SurfaceLevel> build_levels(const Cage& cage, int depth);
