@@ -6,22 +6,33 @@
 
 namespace flowcage {
 
+namespace {
+
+// Rows at mirror planes: start + sum of weights by axis times (points - origin).
+std::vector<Vec3> apply_folded(const StencilTable& table, std::span<const Vec3> points, const Vec3& origin,
+                               const Vec3& start) {
+  std::vector<Vec3> result(static_cast<std::size_t>(table.size()));
+  parallel_for(table.size(), 4096, [&](Offset begin, Offset end) {
+    for (Offset row = begin; row < end; ++row) {
+      Vec3 sum = Vec3::Zero();
+      for (Offset k = table.offsets[row]; k < table.offsets[row + 1]; ++k) {
+        sum += table.term_weights(k).cwiseProduct(points[table.indices[k]] - origin);
+      }
+      result[row] = start + sum;
+    }
+  });
+  return result;
+}
+
+}  // namespace
+
 std::vector<Vec3> apply_stencils(const StencilTable& table, std::span<const Vec3> points) {
   assert(static_cast<Index>(points.size()) == table.control_vertex_count);
-  std::vector<Vec3> result(static_cast<std::size_t>(table.size()));
   if (table.mirrors.any()) {
     const Vec3& origin = table.mirrors.value;
-    parallel_for(table.size(), 4096, [&](Offset begin, Offset end) {
-      for (Offset row = begin; row < end; ++row) {
-        Vec3 sum = Vec3::Zero();
-        for (Offset k = table.offsets[row]; k < table.offsets[row + 1]; ++k) {
-          sum += table.term_weights(k).cwiseProduct(points[table.indices[k]] - origin);
-        }
-        result[row] = table.of_vectors ? sum : Vec3(origin + sum);
-      }
-    });
-    return result;
+    return apply_folded(table, points, origin, table.of_vectors ? Vec3(Vec3::Zero()) : origin);
   }
+  std::vector<Vec3> result(static_cast<std::size_t>(table.size()));
   parallel_for(table.size(), 4096, [&](Offset begin, Offset end) {
     for (Offset row = begin; row < end; ++row) {
       Vec3 sum = Vec3::Zero();
@@ -32,6 +43,11 @@ std::vector<Vec3> apply_stencils(const StencilTable& table, std::span<const Vec3
     }
   });
   return result;
+}
+
+std::vector<Vec3> apply_to_vectors(const StencilTable& table, std::span<const Vec3> vectors) {
+  return table.mirrors.any() ? apply_folded(table, vectors, Vec3::Zero(), Vec3::Zero())
+                             : apply_stencils(table, vectors);
 }
 
 StencilTable compose(const StencilTable& second, const StencilTable& first) {

@@ -20,7 +20,7 @@ struct StencilTable {
   Index control_vertex_count = 0;
   MirrorPlanes mirrors;
   std::array<std::vector<double>, 3> mirrored_weights;  ///< by axis; empty where there is no plane
-  bool of_vectors = false;  ///< rows sum to 0 (directions, differences of points), not to 1
+  bool of_vectors = false;  ///< rows give vectors (directions, parts of sums), not points
 
   /// The weights of one coordinate, like `weights`.
   std::span<const double> axis_weights(int axis) const {
@@ -38,6 +38,10 @@ struct StencilTable {
 /// #rows points. Parallel over rows; the same bits on any number of threads.
 /// Precondition: points.size() == table.control_vertex_count.
 std::vector<Vec3> apply_stencils(const StencilTable& table, std::span<const Vec3> points);
+
+/// The linear part: what a displacement of the control vertices changes. The same but at mirror planes, whose
+/// `value` plays no part.
+std::vector<Vec3> apply_to_vectors(const StencilTable& table, std::span<const Vec3> vectors);
 
 /// The table that does `first`, then `second`: rows of second written in the control vertices of first.
 /// Precondition: rows of first give points.

@@ -44,12 +44,18 @@ StencilTable transpose_of(const StencilTable& table) {
   for (std::size_t c = 1; c < t.offsets.size(); ++c) t.offsets[c] += t.offsets[c - 1];
   t.indices.resize(table.indices.size());
   t.weights.resize(table.weights.size());
+  t.mirrors = table.mirrors;
+  t.of_vectors = true;
+  for (int axis = 0; axis < 3; ++axis) t.mirrored_weights[axis].resize(table.mirrored_weights[axis].size());
   std::vector<Offset> next(t.offsets.begin(), t.offsets.end() - 1);
   for (Index r = 0; r < table.size(); ++r) {
     for (Offset k = table.offsets[r]; k < table.offsets[r + 1]; ++k) {
       const Offset at = next[table.indices[k]]++;
       t.indices[at] = r;
       t.weights[at] = table.weights[k];
+      for (int axis = 0; axis < 3; ++axis) {
+        if (t.mirrors.on[axis]) t.mirrored_weights[axis][at] = table.mirrored_weights[axis][k];
+      }
     }
   }
   return t;
@@ -70,8 +76,9 @@ LeastSquaresMatrix prepare_least_squares(StencilTable rows) {
   return m;
 }
 
-// Notation: the unknown is y with x = start + S y, S = 1/column norm; B = M A S with M the metric's root.
-// r = M(b - A x), g = B^T r - d^2 S^2 y (the negative gradient), p the search direction, q = B p.
+// Notation: A x is apply_stencils and, of differences, apply_to_vectors; the unknown is y with x = start + S
+// y, S = 1/column norm; B = M A S with M the metric's root. r = M(b - A x), g = B^T r - d^2 S^2 y (the
+// negative gradient), p the search direction, q = B p.
 CglsResult solve_cgls(const LeastSquaresMatrix& matrix, std::span<const Vec3> right_side,
                       std::span<const Vec3> start, const CglsSettings& settings, const RowMetric& metric) {
   const Index columns = matrix.rows.control_vertex_count;
@@ -96,7 +103,7 @@ CglsResult solve_cgls(const LeastSquaresMatrix& matrix, std::span<const Vec3> ri
   const auto negative_gradient = [&] {
     std::vector<Vec3> weighted = r;
     weigh(metric, weighted);
-    std::vector<Vec3> g = apply_stencils(matrix.transpose, weighted);
+    std::vector<Vec3> g = apply_to_vectors(matrix.transpose, weighted);
     for (Index c = 0; c < columns; ++c) g[c] = scale[c] * (g[c] - damping2 * scale[c] * y[c]);
     return g;
   };
@@ -108,7 +115,7 @@ CglsResult solve_cgls(const LeastSquaresMatrix& matrix, std::span<const Vec3> ri
   std::vector<Vec3> step(static_cast<std::size_t>(columns));
   while (result.iterations < settings.max_iterations && gamma > stop) {
     for (Index c = 0; c < columns; ++c) step[c] = scale[c] * p[c];
-    std::vector<Vec3> q = apply_stencils(matrix.rows, step);
+    std::vector<Vec3> q = apply_to_vectors(matrix.rows, step);
     weigh(metric, q);
     const double curvature = squared_norm(q) + damping2 * squared_norm(step);
     // The largest eigenvalue is of order 1 (unit columns): a direction like this is in the null space.

@@ -11,10 +11,11 @@ namespace flowcage {
 struct LeastSquaresMatrix {
   StencilTable rows;                 ///< A: #rows by #columns
   StencilTable transpose;            ///< A^T: #columns by #rows
-  std::vector<double> column_norms;  ///< #columns, Euclidean
+  std::vector<double> column_norms;  ///< #columns, Euclidean, of `weights`
 };
 
-/// The transpose: row c holds (r, a_rc) with r ascending.
+/// The transpose: row c holds (r, a_rc) with r ascending; at mirror planes axis by axis, for
+/// apply_to_vectors.
 StencilTable transpose_of(const StencilTable& table);
 LeastSquaresMatrix prepare_least_squares(StencilTable rows);
 
@@ -41,7 +42,9 @@ struct CglsResult {
 /// Minimises |A x - b|^2 + d^2 |x - start|^2 over #columns points at once by conjugate gradients for least
 /// squares (Hestenes & Stiefel 1952; Bjoerck, Numerical Methods for Least Squares Problems, alg. 7.4.1) with
 /// column scaling, from a warm start. On a singular system without damping: the solution nearest to `start`
-/// (in the scaled norm). The same bits on any number of threads. Precondition: sizes agree.
+/// (in the scaled norm). At mirror planes A has rows of its own for each coordinate; a coordinate that no row
+/// holds (normal to the plane, of a vertex in it) keeps its start. The same bits on any number of threads.
+/// Precondition: sizes agree.
 CglsResult solve_cgls(const LeastSquaresMatrix& matrix, std::span<const Vec3> right_side,
                       std::span<const Vec3> start, const CglsSettings& settings,
                       const RowMetric& metric = {});

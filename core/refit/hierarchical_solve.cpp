@@ -19,6 +19,10 @@ StageSystem build_stage(const StencilTable& positions, std::span<const SolveStag
   StencilTable free;
   free.control_vertex_count = static_cast<Index>(system.unknowns.size());
   system.known.control_vertex_count = positions.control_vertex_count;
+  // The values of mirror planes stay with the known part.
+  free.mirrors = system.known.mirrors = positions.mirrors;
+  free.of_vectors = true;
+  system.known.of_vectors = positions.of_vectors;
   for (Index r = 0; r < positions.size(); ++r) {
     if (row_stage[r] > stage) continue;
     bool has_unknown = false;
@@ -35,6 +39,11 @@ StageSystem build_stage(const StencilTable& positions, std::span<const SolveStag
       StencilTable& part = column[v] == no_index ? system.known : free;
       part.indices.push_back(column[v] == no_index ? v : column[v]);
       part.weights.push_back(positions.weights[k]);
+      for (int axis = 0; axis < 3; ++axis) {
+        if (positions.mirrors.on[axis]) {
+          part.mirrored_weights[axis].push_back(positions.mirrored_weights[axis][k]);
+        }
+      }
     }
     free.offsets.push_back(static_cast<Offset>(free.indices.size()));
     system.known.offsets.push_back(static_cast<Offset>(system.known.indices.size()));

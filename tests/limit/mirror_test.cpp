@@ -322,6 +322,25 @@ TEST_CASE("a mirrored half moves with affine maps that keep the plane") {
   }
 }
 
+TEST_CASE("mirrored tables join with plain ones") {
+  const SurfaceLevel level = half_sheet();
+  std::vector<Vec3> points = zoo::grid(4, 4).points;
+  const StencilTable mirror = limit_stencils(level),
+                     plain = limit_stencils(build_surface_level(zoo::grid(4, 4)));
+  const auto check = [&](const StencilTable& a, const StencilTable& b) {
+    std::vector<Vec3> apart = apply_stencils(a, points);
+    const std::vector<Vec3> second = apply_stencils(b, points);
+    apart.insert(apart.end(), second.begin(), second.end());
+    const std::vector<Vec3> joined = apply_stencils(concatenate(a, b), points);
+    REQUIRE(joined.size() == apart.size());
+    for (std::size_t i = 0; i < joined.size(); ++i) CHECK((joined[i] - apart[i]).norm() < 1e-14);
+  };
+  check(mirror, plain);
+  check(plain, mirror);
+  check(mirror, refinement_stencils(level));
+  CHECK(concatenate(tangent_stencils(level).u, tangent_stencils(level).v).of_vectors);
+}
+
 TEST_CASE("without mirrored edges every bit is as without mirrors") {
   for (const auto& [name, cage] : zoo::all()) {
     INFO(name);

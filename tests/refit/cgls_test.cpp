@@ -4,8 +4,11 @@
 #include <random>
 
 #include "core/base/parallel.hpp"
+#include "core/limit/limit_stencils.hpp"
+#include "core/mesh/mirror.hpp"
 #include "core/refit/hierarchical_solve.hpp"
 #include "tests/catch.hpp"
+#include "tests/subdivide/cage_zoo.hpp"
 
 using namespace flowcage;
 
@@ -41,6 +44,29 @@ RandomSystem random_system(Index row_count, Index column_count, Index entries, u
     s.right_side.emplace_back(number(), number(), number());
   }
   return s;
+}
+
+// An uneven half sheet, mirrored at x = 0.7 (vertices 0, 5, .. 20), its other sides open.
+struct HalfSheet {
+  std::vector<Vec3> points;
+  SurfaceLevel level;
+  StencilTable rows;
+};
+HalfSheet half_sheet() {
+  Cage cage = zoo::grid(4, 4);
+  zoo::Random random(11);
+  zoo::perturb(cage, random, 0.1);
+  for (Vec3& p : cage.points) p.x() += 0.7;
+  for (Index v = 0; v < 25; v += 5) cage.points[v].x() = 0.7;
+  SurfaceLevel level = build_surface_level(cage);
+  std::vector<Index> edges;
+  for (Index e = 0; e < level.edge_count(); ++e) {
+    const auto [a, b] = level.edge_vertices[e];
+    if (a % 5 == 0 && b % 5 == 0) edges.push_back(e);
+  }
+  level = mirrored(std::move(level), 0, 0.7, edges);
+  StencilTable rows = oversampled_limit_stencils(level).position;
+  return {std::move(cage.points), std::move(level), std::move(rows)};
 }
 
 }  // namespace
@@ -176,4 +202,78 @@ TEST_CASE("stages: creases do not feel the interior, the interior sees creases f
   CHECK((result.control_points[0] - Vec3(4, 0, 0)).norm() < 1e-12);
   CHECK((result.control_points[1] - Vec3(0, 0, 4)).norm() < 1e-12);
   CHECK((result.control_points[2] - Vec3(2, 2, -2)).norm() < 1e-9);
+}
+
+TEST_CASE("at a mirror plane CGLS agrees with the dense system of all coordinates", "[cgls][mirror]") {
+  const HalfSheet sheet = half_sheet();
+  const Index rows = sheet.rows.size(), columns = sheet.rows.control_vertex_count;
+  zoo::Random random(12);
+  const auto vector = [&] {
+    return Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+  };
+  std::vector<Vec3> right_side;
+  RowMetric metric;
+  metric.tangential_weight = 0.2;
+  for (Index r = 0; r < rows; ++r) {
+    right_side.push_back(3 * vector());
+    metric.normals.push_back(vector().normalized());  // oblique: the coordinates do not part
+  }
+  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(3 * rows, 3 * columns);
+  Eigen::VectorXd b(3 * rows);
+  const std::vector<Vec3> at_start = apply_stencils(sheet.rows, sheet.points);
+  for (Index r = 0; r < rows; ++r) {
+    const Vec3& n = metric.normals[r];
+    const Eigen::Matrix3d root = n * n.transpose() + 0.2 * (Eigen::Matrix3d::Identity() - n * n.transpose());
+    for (Offset k = sheet.rows.offsets[r]; k < sheet.rows.offsets[r + 1]; ++k) {
+      Vec3 weights;
+      for (int axis = 0; axis < 3; ++axis) weights[axis] = sheet.rows.axis_weights(axis)[k];
+      a.block<3, 3>(3 * r, 3 * sheet.rows.indices[k]) = root * weights.asDiagonal();
+    }
+    b.segment<3>(3 * r) = root * (right_side[r] - at_start[r]);
+  }
+  const Eigen::VectorXd step = a.completeOrthogonalDecomposition().solve(b);
+  CglsSettings settings;
+  settings.max_iterations = 2000;
+  settings.tolerance = 1e-14;
+  const CglsResult result =
+      solve_cgls(prepare_least_squares(sheet.rows), right_side, sheet.points, settings, metric);
+  for (Index c = 0; c < columns; ++c) {
+    CHECK((result.solution[c] - sheet.points[c] - step.segment<3>(3 * c)).norm() < 1e-8);
+    if (c % 5 == 0) CHECK(result.solution[c].x() == 0.7);  // stays in the plane to the last bit
+  }
+  CHECK(result.residual_norm == Approx((a * step - b).norm()).epsilon(1e-9));
+}
+
+TEST_CASE("stages at a mirror plane find the control points that the limits come from",
+          "[hierarchical][mirror]") {
+  // Open sides are creases that go on beyond the plane: their ends there are no corners.
+  const HalfSheet sheet = half_sheet();
+  const auto is_open = [&](Index e) {
+    return sheet.level.is_boundary_edge(e) && sheet.level.edge_mirror_axis[e] < 0;
+  };
+  std::vector<SolveStage> vertices(25, SolveStage::interior);
+  for (Index e = 0; e < sheet.level.edge_count(); ++e) {
+    if (!is_open(e)) continue;
+    for (const Index v : sheet.level.edge_vertices[e]) vertices[v] = SolveStage::crease;
+  }
+  vertices[4] = vertices[24] = SolveStage::corner;
+  std::vector<SolveStage> samples = vertices;
+  for (Index e = 0; e < sheet.level.edge_count(); ++e) {
+    samples.push_back(is_open(e) ? SolveStage::crease : SolveStage::interior);
+  }
+  samples.resize(static_cast<std::size_t>(sheet.rows.size()), SolveStage::interior);
+
+  const HierarchicalSystem system = build_hierarchical_system(sheet.rows, vertices, samples);
+  REQUIRE(system.stages.size() == 3);
+  std::vector<Vec3> start = sheet.points;
+  zoo::Random random(13);
+  for (Index v = 0; v < 25; ++v) {
+    for (int axis = v % 5 == 0 ? 1 : 0; axis < 3; ++axis) start[v][axis] += random.uniform(-0.3, 0.3);
+  }
+  CglsSettings settings;
+  settings.max_iterations = 500;
+  settings.tolerance = 1e-13;
+  const HierarchicalResult result =
+      solve_hierarchical(system, apply_stencils(sheet.rows, sheet.points), start, settings);
+  for (Index v = 0; v < 25; ++v) CHECK((result.control_points[v] - sheet.points[v]).norm() < 1e-10);
 }
