@@ -105,7 +105,8 @@ int main(int argc, char** argv) {
   app.add_option("--levels", job.fit.levels, "subdivision levels");
   app.add_option("--distance", distance, "what a pass minimises")->check(CLI::IsMember({"tangent", "point"}));
   app.add_option("--passes-max", job.fit.max_passes, "passes a level");
-  app.add_flag("--passes", job.passes, "every pass of every level");
+  app.add_flag("--passes", job.passes,
+               "every pass of every level; with --noise the table of the first seed's cage");
   app.add_option("--noise", job.noise, "moves every cage vertex by up to this, in diagonals; a row a body");
   app.add_option("--seeds", job.seeds, "cages with noise a body");
   app.add_option("--first-seed", job.first_seed, "the first of them");
@@ -115,8 +116,11 @@ int main(int argc, char** argv) {
   job.fit.tangent_distance = distance == "tangent";
   if (job.bodies.empty()) job.bodies = fit_body_names();
   for (const std::string& name : job.bodies) {
-    const FitBody body = make_fit_body(name);
-    if (job.noise > 0) {
+    FitBody body = make_fit_body(name);
+    if (job.noise > 0 && job.passes) {
+      body.cage = with_noise(body.cage, job.noise * body.cad.diagonal(), job.first_seed);
+      print_table(body, job);
+    } else if (job.noise > 0) {
       print_noise(body, job);
     } else {
       print_table(body, job);

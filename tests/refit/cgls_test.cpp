@@ -213,16 +213,16 @@ TEST_CASE("at a mirror plane CGLS agrees with the dense system of all coordinate
   };
   std::vector<Vec3> right_side;
   RowMetric metric;
-  metric.tangential_weight = 0.2;
+  metric.across = 0.2;
   for (Index r = 0; r < rows; ++r) {
     right_side.push_back(3 * vector());
-    metric.normals.push_back(vector().normalized());  // oblique: the coordinates do not part
+    metric.directions.push_back(vector().normalized());  // oblique: the coordinates do not part
   }
   Eigen::MatrixXd a = Eigen::MatrixXd::Zero(3 * rows, 3 * columns);
   Eigen::VectorXd b(3 * rows);
   const std::vector<Vec3> at_start = apply_stencils(sheet.rows, sheet.points);
   for (Index r = 0; r < rows; ++r) {
-    const Vec3& n = metric.normals[r];
+    const Vec3& n = metric.directions[r];
     const Eigen::Matrix3d root = n * n.transpose() + 0.2 * (Eigen::Matrix3d::Identity() - n * n.transpose());
     for (Offset k = sheet.rows.offsets[r]; k < sheet.rows.offsets[r + 1]; ++k) {
       Vec3 weights;
