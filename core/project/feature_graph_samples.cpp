@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <queue>
 #include <utility>
 
@@ -100,9 +101,18 @@ class BoundedSearch {
   Index start_ = no_index;
 };
 
+constexpr int side_samples = 5;  // places along a chain where the normals beside it are known
+
 double squared_distance(const SampledFeatures& graph, const MatchQuery& query, std::size_t k, Index node) {
   return std::min((query.controls[k] - graph.points[node]).squaredNorm(),
                   (query.limits[k] - graph.points[node]).squaredNorm());
+}
+
+/// What it costs that vertex k lies at a node: distance, and the faces on the chain's sides.
+double place_cost(const SampledFeatures& graph, const MatchQuery& query, std::size_t k, Index node) {
+  constexpr double side_weight = 0.5;
+  return squared_distance(graph, query, k, node) / (query.scale * query.scale) +
+         side_weight * normal_mismatch(query.sides[k], graph.normals[graph.point_normals[node]]);
 }
 
 /// Points of the graph where vertex k may lie.
@@ -165,9 +175,8 @@ Chosen viterbi(const SampledFeatures& graph, const MatchQuery& query, const Grap
   BoundedSearch search(graph);
   std::vector<std::map<State, StateRecord>> steps(n);
   std::vector<char> is_candidate(graph.points.size(), 0);
-  const double scale2 = query.scale * query.scale;
   for (const Index node : candidates(graph, query, 0, filter)) {
-    steps[0][{node, no_index}].cost = squared_distance(graph, query, 0, node) / scale2;
+    steps[0][{node, no_index}].cost = place_cost(graph, query, 0, node);
   }
   for (std::size_t k = 1; k < n; ++k) {
     const std::vector<Index> next = candidates(graph, query, k, filter);
@@ -177,8 +186,7 @@ Chosen viterbi(const SampledFeatures& graph, const MatchQuery& query, const Grap
       for (const Reached& reached : search.run(state, 3 * length + query.scale, filter)) {
         if (!is_candidate[reached.node]) continue;
         const double stretch = (reached.distance - length) / (length + 0.1 * query.scale);
-        const double cost =
-            record.cost + stretch * stretch + squared_distance(graph, query, k, reached.node) / scale2;
+        const double cost = record.cost + stretch * stretch + place_cost(graph, query, k, reached.node);
         StateRecord& target = steps[k][{reached.node, search.parent(reached.node)}];
         if (cost >= target.cost) continue;
         target.cost = cost;
@@ -216,6 +224,7 @@ MatchQuery unrolled_twice(const MatchQuery& loop) {
   twice.closed = false;
   twice.controls.insert(twice.controls.end(), loop.controls.begin() + 1, loop.controls.end());
   twice.limits.insert(twice.limits.end(), loop.limits.begin() + 1, loop.limits.end());
+  twice.sides.insert(twice.sides.end(), loop.sides.begin() + 1, loop.sides.end());
   twice.lengths.insert(twice.lengths.end(), loop.lengths.begin(), loop.lengths.end());
   return twice;
 }
@@ -227,6 +236,9 @@ SampledFeatures sample_features(const TargetSurface& target, double spacing) {
   SampledFeatures graph;
   graph.points = features.corners;
   graph.corner_count = static_cast<Index>(features.corners.size());
+  graph.point_normals.resize(graph.points.size());
+  std::iota(graph.point_normals.begin(), graph.point_normals.end(), 0);
+  std::vector<Vec3> probes = features.corners;
   struct Link {
     Index from, to;
     FeaturePiece along;
@@ -236,6 +248,10 @@ SampledFeatures sample_features(const TargetSurface& target, double spacing) {
     const FeatureChain& chain = features.chains[c];
     const bool loop = chain.start == no_index;
     if (!(chain.length > 0)) continue;
+    const Index first_probe = static_cast<Index>(probes.size());
+    for (int i = 0; i < side_samples; ++i) {
+      probes.push_back(target.chain_point(c, chain.length * (i + 0.5) / side_samples).position);
+    }
     const double wanted = spacing > 0 ? chain.length / spacing : 2048.0;
     const int count = static_cast<int>(std::clamp(std::ceil(wanted), 16.0, 2048.0));
     Index previous = chain.start;
@@ -247,6 +263,7 @@ SampledFeatures sample_features(const TargetSurface& target, double spacing) {
       } else {
         node = static_cast<Index>(graph.points.size());
         graph.points.push_back(target.chain_point(c, chain.length * j / count).position);
+        graph.point_normals.push_back(first_probe + std::min(side_samples * j / count, side_samples - 1));
       }
       if (j == 0) {
         first = node;
@@ -268,6 +285,7 @@ SampledFeatures sample_features(const TargetSurface& target, double spacing) {
     arcs[link.to].push_back({link.from, p, {link.along.chain, link.along.s_end, link.along.s_begin}, length});
   }
   for (const auto& row : arcs) graph.arcs.push_row(row);
+  graph.normals = normals_at(target, probes);
   return graph;
 }
 

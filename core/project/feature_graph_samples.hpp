@@ -2,6 +2,7 @@
 #include <vector>
 
 #include "core/project/feature_match.hpp"
+#include "core/project/side_normals.hpp"
 
 namespace flowcage {
 
@@ -21,6 +22,8 @@ struct SampledFeatures {
   std::vector<Index> piece_chain;     ///< #pieces
   std::vector<double> piece_length;   ///< #pieces
   std::vector<ChainKind> piece_kind;  ///< #pieces
+  Csr<Vec3> normals;                  ///< of the target's faces: corners first, then side_samples a chain
+  std::vector<Index> point_normals;   ///< #points; row of normals
 };
 
 /// Samples every chain with about `spacing` (at least 16, at most 2048 arcs a chain).
@@ -31,6 +34,7 @@ struct MatchQuery {
   std::vector<Vec3> controls;   ///< places to follow, in order; loops repeat their first
   std::vector<Vec3> limits;     ///< second places: the crease's own limit points (corners: the same)
   std::vector<double> lengths;  ///< #controls - 1, edge lengths
+  std::vector<std::vector<SideNormal>> sides;  ///< #controls; normals of the cage's faces beside the chain
   double scale = 0;  ///< what distances and stretches are relative to: the mean edge length, or more where
                      ///< the chain is short beside its neighbours (the base of a blunt trailing edge)
   bool closed = false;

@@ -11,6 +11,7 @@
 
 #include "core/base/error.hpp"
 #include "core/project/feature_graph_samples.hpp"
+#include "core/project/side_normals.hpp"
 
 namespace flowcage {
 namespace {
@@ -57,15 +58,28 @@ std::vector<double> end_scales(std::span<const CreaseChain> chains, std::span<co
 
 /// One-to-one assignment of the cage's crease ends to the target's corners: greedy by relative distance, then
 /// exchanges that shorten the sum of squared distances and of squared errors of the connecting vectors (a
-/// blunt trailing edge's two corners lie closer together than the cage's noise; their chain tells which is
-/// which).
+/// blunt trailing edge's two corners lie closer together than the cage's noise; the faces round them and
+/// their chain tell which is which).
 class CornerAssignment {
  public:
-  CornerAssignment(std::span<const CreaseChain> chains, std::span<const Vec3> points,
-                   std::span<const double> scales, const FeatureGraph& features)
-      : points_(points), scales_(scales), corners_(features.corners) {
+  /// sides: #V, normals of the faces round each vertex; corner_normals: a row a corner.
+  struct Input {
+    std::span<const CreaseChain> chains;
+    std::span<const Vec3> points;
+    std::span<const double> scales;
+    const std::vector<Vec3>& corners;
+    std::span<const std::vector<SideNormal>> sides;
+    const Csr<Vec3>& corner_normals;
+  };
+  explicit CornerAssignment(const Input& input)
+      : points_(input.points),
+        scales_(input.scales),
+        corners_(input.corners),
+        sides_(input.sides),
+        corner_normals_(input.corner_normals) {
+    const std::span<const Vec3> points = points_;
     corner_of_.assign(points.size(), no_index);
-    for (const CreaseChain& chain : chains) {
+    for (const CreaseChain& chain : input.chains) {
       if (chain.closed) continue;
       const Index a = chain.vertices.front();
       const Index b = chain.vertices.back();
@@ -85,8 +99,8 @@ class CornerAssignment {
     std::vector<Pair> pairs;
     for (const Index v : ends_) {
       for (Index c = 0; c < static_cast<Index>(corners_.size()); ++c) {
-        const double cost = (points_[v] - corners_[c]).norm() / scales_[v];
-        if (cost < limit) pairs.push_back({cost, v, c});
+        const double distance = (points_[v] - corners_[c]).norm() / scales_[v];
+        if (distance < limit) pairs.push_back({place_cost(v, c), v, c});
       }
     }
     std::sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) {
@@ -117,11 +131,17 @@ class CornerAssignment {
   }
 
  private:
+  double place_cost(Index v, Index corner) const {
+    constexpr double side_weight = 0.5;
+    return (points_[v] - corners_[corner]).squaredNorm() / (scales_[v] * scales_[v]) +
+           side_weight * normal_mismatch(sides_[v], corner_normals_[corner]);
+  }
+
   double total() const {
     double sum = 0;
     for (const Index v : ends_) {
       if (corner_of_[v] == no_index) continue;
-      sum += (points_[v] - corners_[corner_of_[v]]).squaredNorm() / (scales_[v] * scales_[v]);
+      sum += place_cost(v, corner_of_[v]);
     }
     for (const auto& [a, b] : links_) {
       if (corner_of_[a] == no_index || corner_of_[b] == no_index) continue;
@@ -136,12 +156,15 @@ class CornerAssignment {
   std::span<const Vec3> points_;
   std::span<const double> scales_;
   const std::vector<Vec3>& corners_;
+  std::span<const std::vector<SideNormal>> sides_;
+  const Csr<Vec3>& corner_normals_;
   std::vector<Index> corner_of_;
   std::vector<Index> ends_;
   std::vector<std::pair<Index, Index>> links_;
 };
 
-MatchQuery query_of(const CreaseChain& chain, std::span<const Vec3> points, std::span<const double> scales) {
+MatchQuery query_of(const CreaseChain& chain, std::span<const Vec3> points, std::span<const double> scales,
+                    std::span<const std::vector<SideNormal>> edge_sides) {
   MatchQuery query;
   query.closed = chain.closed;
   const Index n = chain.segment_count();
@@ -151,6 +174,14 @@ MatchQuery query_of(const CreaseChain& chain, std::span<const Vec3> points, std:
         std::max((query.controls[i + 1] - query.controls[i]).norm(), std::numeric_limits<double>::min()));
   }
   for (const double length : query.lengths) query.scale += length / n;
+  for (Index i = 0; i <= n; ++i) {
+    std::vector<SideNormal>& sides = query.sides.emplace_back();
+    for (const Index k : {i - 1, i}) {
+      if (!chain.closed && (k < 0 || k >= n)) continue;
+      const auto& beside = edge_sides[chain.edges[static_cast<std::size_t>((k + n) % n)]];
+      sides.insert(sides.end(), beside.begin(), beside.end());
+    }
+  }
   if (!chain.closed) {
     const double ends = std::min(scales[chain.vertices.front()], scales[chain.vertices.back()]);
     query.scale = std::max(query.scale, 0.5 * ends);
@@ -367,7 +398,18 @@ FeatureMatch match_features(const SurfaceLevel& level, std::span<const Vec3> poi
   }
   const SampledFeatures graph = sample_features(target, spacing);
   const std::vector<double> scales = end_scales(chains, points);
-  result.end_corner = CornerAssignment(chains, points, scales, features).run(0.35);
+  const std::vector<SideNormal> normals = face_normals(level, points);
+  std::vector<std::vector<SideNormal>> vertex_sides(vertex_count), edge_sides(level.edge_faces.size());
+  for (Index v = 0; v < level.vertex_count(); ++v) {
+    for (const Index f : level.vertex_faces[v]) vertex_sides[v].push_back(normals[f]);
+  }
+  for (Index e = 0; e < level.edge_count(); ++e) {
+    for (const Index f : level.edge_faces[e]) {
+      if (f != no_index) edge_sides[e].push_back(normals[f]);
+    }
+  }
+  result.end_corner =
+      CornerAssignment({chains, points, scales, features.corners, vertex_sides, graph.normals}).run(0.5);
   std::vector<Index> end_node = result.end_corner;  // corners are the graph's first points
 
   GraphFilter filter;
@@ -377,7 +419,7 @@ FeatureMatch match_features(const SurfaceLevel& level, std::span<const Vec3> poi
 
   const auto attempt = [&](Index c, bool other_kind) {
     const CreaseChain& chain = chains[c];
-    MatchQuery query = query_of(chain, points, scales);
+    MatchQuery query = query_of(chain, points, scales, edge_sides);
     if (!chain.closed) {
       query.first_node = end_node[chain.vertices.front()];
       query.last_node = end_node[chain.vertices.back()];
@@ -436,7 +478,7 @@ FeatureMatch match_features(const SurfaceLevel& level, std::span<const Vec3> poi
       result.warnings.push_back(fmt::format(
           "the crease turns a corner of the CAD at {}: tag that vertex of the cage as a corner", place(at)));
     }
-    relax_places(target, query_of(chain, points, scales), pinned, match);
+    relax_places(target, query_of(chain, points, scales, edge_sides), pinned, match);
     weigh_places(target, chain.closed, angle, match);
   };
 
