@@ -329,14 +329,17 @@ MatchedRun find_run(const SampledFeatures& graph, const MatchQuery& query, const
 
   double total = 0;
   for (const double length : query.lengths) total += length;
+  // Fixed ends were judged when they were assigned.
+  const bool first_fixed = query.first_node != no_index, last_fixed = query.last_node != no_index;
+  const std::size_t begin = first_fixed ? 1 : 0, end = query.controls.size() - (last_fixed ? 1 : 0);
   double sum = 0;
-  for (std::size_t k = 0; k < query.controls.size(); ++k) {
-    sum += squared_distance(graph, query, k, run.nodes[k]);
-  }
-  run.cost = std::sqrt(sum / static_cast<double>(query.controls.size())) / query.scale;
-  // Lengths may differ by a factor, and by a fifth of the scale where the chain is shorter than that.
+  for (std::size_t k = begin; k < end; ++k) sum += squared_distance(graph, query, k, run.nodes[k]);
+  run.cost = end > begin ? std::sqrt(sum / static_cast<double>(end - begin)) / query.scale : 0;
+  // Lengths may differ by a factor, and by a fifth of the scale where the chain is shorter than that. Between
+  // fixed ends the run may be as short as it likes: the base of a blunt trailing edge is.
   const double slack = 0.2 * query.scale;
-  run.found = run.path.length() > 0.4 * (total - slack) && run.path.length() < 2.5 * std::max(total, slack);
+  const bool too_short = !(first_fixed && last_fixed) && run.path.length() <= 0.4 * (total - slack);
+  run.found = !too_short && run.path.length() < 2.5 * std::max(total, slack);
   return run;
 }
 

@@ -52,7 +52,7 @@ struct ChainMatch {
 double parameter_at(const ChainMatch& match, double t);
 
 struct FeatureMatchSettings {
-  double cost_limit = 0.25;        ///< largest root mean square distance of a match, in mean edge lengths
+  double cost_limit = 0.5;         ///< largest root mean square distance of a match, in mean edge lengths
   double kink_angle_degrees = 15;  ///< turns on a path that cage vertices are pinned to
 };
 
