@@ -167,8 +167,8 @@ Cage whole_cage(const HalfCage& half) {
     for (const Cage::Crease& c : creases) cage.creases.push_back({image[c.a], image[c.b], c.sharpness});
     const std::vector<Cage::Corner> corners = cage.corners;
     for (const Cage::Corner& c : corners) cage.corners.push_back({image[c.vertex], c.sharpness});
+    cage.face_patch.assign(static_cast<std::size_t>(cage.faces.size()), 0);
   }
-  cage.face_patch.assign(static_cast<std::size_t>(cage.faces.size()), 0);
   return cage;
 }
 

@@ -1,7 +1,9 @@
 #include "core/mesh/mirror.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <map>
 
 #include "core/limit/evaluate.hpp"
 #include "core/limit/limit_stencils.hpp"
@@ -105,6 +107,34 @@ SurfaceLevel half_sheet() {
 }
 
 }  // namespace
+
+TEST_CASE("the cages of these tests have one, two and three planes, and every kind of vertex in them") {
+  std::array<int, 4> by_planes{};
+  std::map<Index, int> by_faces;  // of a vertex in one plane
+  int in_two_planes = 0, sharp = 0, at_open_edges = 0, polygons = 0;
+  for (const HalfCage& cage : half_cages()) {
+    ++by_planes[cage.planes.size()];
+    const SurfaceLevel level = half_level(cage);
+    const std::vector<unsigned> planes = planes_by_vertex(level);
+    for (Index v = 0; v < level.vertex_count(); ++v) {
+      if (planes[v] == 0) continue;
+      const auto edges = level.vertex_edges[v];
+      in_two_planes += std::popcount(planes[v]) == 2;
+      ++by_faces[level.vertex_faces.row_size(v)];
+      sharp += std::any_of(edges.begin(), edges.end(), [&](Index e) { return level.edge_sharpness[e] > 0; });
+      at_open_edges += level.edge_mirror_axis[edges.front()] < 0 || level.edge_mirror_axis[edges.back()] < 0;
+      for (const Index f : level.vertex_faces[v]) polygons += level.face_vertices.row_size(f) != 4;
+    }
+  }
+  CHECK(by_planes[1] > 100);
+  CHECK(by_planes[2] > 80);
+  CHECK(by_planes[3] > 30);
+  for (Index faces = 1; faces <= 5; ++faces) CHECK(by_faces[faces] > 0);
+  CHECK(in_two_planes > 200);
+  CHECK(sharp > 200);
+  CHECK(at_open_edges > 100);
+  CHECK(polygons > 200);
+}
 
 TEST_CASE("a regular vertex in the plane has the folded bicubic mask") {
   const StencilTable limits = limit_stencils(half_sheet());
