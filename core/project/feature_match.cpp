@@ -147,7 +147,7 @@ class CornerAssignment {
       if (corner_of_[a] == no_index || corner_of_[b] == no_index) continue;
       const Vec3 drawn = points_[b] - points_[a];
       const Vec3 cad = corners_[corner_of_[b]] - corners_[corner_of_[a]];
-      const double scale = drawn.norm() + 0.05 * std::min(scales_[a], scales_[b]);
+      const double scale = drawn.norm() + 0.25 * std::min(scales_[a], scales_[b]);
       sum += (drawn - cad).squaredNorm() / (scale * scale);
     }
     return sum;
