@@ -30,6 +30,7 @@ const RealFile files[] = {
     {"wigley.step", "wigley.obj", 4.9e-6, 7.7e-7},
     {"series60.iges", "series60.obj", 6.2e-5, 1.1e-6},
     {"iea15_nacelle.step", "iea15_nacelle.obj", 2.8e-5, 1.7e-6},
+    {"nist_11.stp", "nist_11.obj", 5.8e-6, 6.1e-7},
 };
 
 const std::filesystem::path cad_folder = FLOWCAGE_REAL_CAD_DIR;
