@@ -9,7 +9,11 @@ namespace flowcage {
 CurveFoot closest_on_curve(const ParametricCurve& curve, const Vec3& query, const CurveSearch& search) {
   CurveFoot foot;
   foot.t = std::clamp(search.start, search.low, search.high);
-  CurveDerivatives at = curve.second(foot.t);
+  const auto evaluate = [&] {
+    ++foot.evaluations;
+    return curve.second(foot.t);
+  };
+  CurveDerivatives at = evaluate();
   Vec3 r = at.position - query;
   for (int iteration = 0; iteration < search.max_iterations; ++iteration) {
     const double f = 0.5 * r.squaredNorm(), slope = r.dot(at.d), speed = at.d.squaredNorm();
@@ -22,12 +26,15 @@ CurveFoot closest_on_curve(const ParametricCurve& curve, const Vec3& query, cons
       foot.converged = true;
       break;
     }
-    const double from = foot.t, noise = 8 * std::numeric_limits<double>::epsilon() * f;
+    // r carries the rounding of the position's coordinates.
+    const double noise =
+        8 * std::numeric_limits<double>::epsilon() * (f + r.norm() * at.position.cwiseAbs().maxCoeff());
+    const double from = foot.t;
     const CurveDerivatives at_from = at;
     bool fell = false;
     for (double lambda = 1; lambda > 1e-9 && !fell; lambda *= 0.5) {
       foot.t = std::clamp(from + lambda * step, search.low, search.high);
-      at = curve.second(foot.t);
+      at = evaluate();
       r = at.position - query;
       const double change = 0.5 * r.squaredNorm() - f;
       fell = change <= 1e-4 * lambda * step * slope || (change <= noise && -step * slope <= 1e3 * noise);

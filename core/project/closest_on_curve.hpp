@@ -30,6 +30,7 @@ struct CurveFoot {
   Vec3 position = Vec3::Zero();
   double distance = 0;
   bool converged = false;
+  int evaluations = 0;  ///< of the curve
 };
 
 /// A local minimum of the distance from `query` over [low, high], downhill from the start: Newton's method on

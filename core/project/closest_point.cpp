@@ -7,54 +7,10 @@
 #include <limits>
 #include <optional>
 
+#include "core/project/quadratic_model.hpp"
+
 namespace flowcage {
 namespace {
-
-struct Model {
-  Vec2 g;          // gradient
-  double a, b, c;  // symmetric matrix (a b; b c)
-  double value(const Vec2& d) const {
-    return g.dot(d) + 0.5 * (a * d.x() * d.x() + 2 * b * d.x() * d.y() + c * d.y() * d.y());
-  }
-};
-
-struct Box {
-  Vec2 low, high;
-};
-
-/// Minimum of a quadratic over a box that contains 0: inside where it is convex, or on one of the four sides.
-Vec2 minimise_in_box(const Model& m, const Box& box) {
-  const double det = m.a * m.c - m.b * m.b;
-  if (m.a > 0 && m.c > 0 && det > 1e-14 * m.a * m.c) {
-    Vec2 d(-(m.c * m.g.x() - m.b * m.g.y()) / det, -(m.a * m.g.y() - m.b * m.g.x()) / det);
-    if ((d.array() >= box.low.array()).all() && (d.array() <= box.high.array()).all()) return d;
-  }
-  const auto best_along = [](double slope, double curvature, double low, double high) {
-    if (curvature > 0) return std::clamp(-slope / curvature, low, high);
-    if (!std::isfinite(low) || !std::isfinite(high)) return std::clamp(0.0, low, high);
-    const auto at = [&](double t) { return slope * t + 0.5 * curvature * t * t; };
-    return at(low) < at(high) ? low : at(high) < at(low) ? high : slope > 0 ? low : high;
-  };
-  Vec2 best = Vec2::Zero();
-  double best_value = 0;
-  const auto offer = [&](const Vec2& d) {
-    const double value = m.value(d);
-    if (value < best_value) {
-      best = d;
-      best_value = value;
-    }
-  };
-  for (const double u : {box.low.x(), box.high.x()}) {
-    if (std::isfinite(u)) offer({u, best_along(m.g.y() + m.b * u, m.c, box.low.y(), box.high.y())});
-  }
-  for (const double v : {box.low.y(), box.high.y()}) {
-    if (std::isfinite(v)) offer({best_along(m.g.x() + m.b * v, m.a, box.low.x(), box.high.x()), v});
-  }
-  // A direction without influence (a pole): the other one alone.
-  offer({0, best_along(m.g.y(), m.c, box.low.y(), box.high.y())});
-  offer({best_along(m.g.x(), m.a, box.low.x(), box.high.x()), 0});
-  return best;
-}
 
 class Search {
  public:
@@ -86,6 +42,7 @@ class Search {
       }
     }
     foot.uv = uv_;
+    foot.evaluations = evaluations_;
     foot.point = {at_.position, at_.du, at_.dv};
     foot.distance = (at_.position - query_).norm();
     foot.at_border = held_;
@@ -110,12 +67,13 @@ class Search {
 
   void evaluate() {
     at_ = patch_.second(uv_);
+    ++evaluations_;
     r_ = at_.position - query_;
     f_ = 0.5 * r_.squaredNorm();
   }
 
-  Box room() const {
-    Box box{domain_.min() - uv_, domain_.max() - uv_};
+  ParameterBox room() const {
+    ParameterBox box{domain_.min() - uv_, domain_.max() - uv_};
     for (int axis = 0; axis < 2; ++axis) {
       if (periodic_[axis]) {
         box.high[axis] = 0.5 * domain_.sizes()[axis];
@@ -130,9 +88,9 @@ class Search {
   std::optional<FootConvergence> step() {
     const Vec2 g(r_.dot(at_.du), r_.dot(at_.dv));
     const double E = at_.du.squaredNorm(), F = at_.du.dot(at_.dv), G = at_.dv.squaredNorm();
-    const Model tangent{g, E, F, G};
-    const Model full{g, E + r_.dot(at_.duu), F + r_.dot(at_.duv), G + r_.dot(at_.dvv)};
-    const Box box = room();
+    const QuadraticModel tangent{g, E, F, G};
+    const QuadraticModel full{g, E + r_.dot(at_.duu), F + r_.dot(at_.duv), G + r_.dot(at_.dvv)};
+    const ParameterBox box = room();
     held_ = (g.x() > 0 && box.low.x() == 0) || (g.x() < 0 && box.high.x() == 0) ||
             (g.y() > 0 && box.low.y() == 0) || (g.y() < 0 && box.high.y() == 0);
     if (settings_.convexity_margin < std::numeric_limits<double>::infinity()) {
@@ -185,7 +143,7 @@ class Search {
   }
 
   /// Of H d = lambda I d.
-  static double smallest_eigenvalue(const Model& full, const Model& tangent) {
+  static double smallest_eigenvalue(const QuadraticModel& full, const QuadraticModel& tangent) {
     const double det = tangent.a * tangent.c - tangent.b * tangent.b;
     if (!(det > 1e-12 * tangent.a * tangent.c)) return -std::numeric_limits<double>::infinity();
     const double trace = full.a * tangent.c + full.c * tangent.a - 2 * full.b * tangent.b;
@@ -194,7 +152,7 @@ class Search {
   }
 
   /// Where the model is not convex its minimum lies on the box's border: goes there if f falls as foreseen.
-  bool jump(const Model& full, const Box& box) {
+  bool jump(const QuadraticModel& full, const ParameterBox& box) {
     const Vec2 d = minimise_in_box(full, box);
     const double gain = full.value(d);
     if (!(gain < 0) || !(step_length(d) > settings_.tolerance * length_)) return false;
@@ -231,7 +189,7 @@ class Search {
     const Vec2 from = uv_;
     const PatchCurvature at = at_;
     const Vec3 r = r_;
-    const double f = f_, slope = g.dot(d), noise = 8 * std::numeric_limits<double>::epsilon() * f;
+    const double f = f_, slope = g.dot(d), noise = rounding_of_f();
     for (double lambda = 1; lambda > 1e-9; lambda *= 0.5) {
       uv_ = inside(from + lambda * d);
       evaluate();
@@ -245,7 +203,12 @@ class Search {
     return false;
   }
 
-  bool is_saddle(const Model& full, const Box& box) const {
+  /// r carries the rounding of the position's coordinates.
+  double rounding_of_f() const {
+    return 8 * std::numeric_limits<double>::epsilon() * (f_ + r_.norm() * at_.position.cwiseAbs().maxCoeff());
+  }
+
+  bool is_saddle(const QuadraticModel& full, const ParameterBox& box) const {
     const bool free_u = box.low.x() < 0 && box.high.x() > 0, free_v = box.low.y() < 0 && box.high.y() > 0;
     const double small = -1e-9;
     if (free_u && full.a < small * at_.du.squaredNorm() &&
@@ -260,7 +223,7 @@ class Search {
 
   /// From a stationary point that is no minimum: along the direction of lowest curvature of f, the better
   /// way of the two, with growing steps shrunk until f falls.
-  bool leave_saddle(const Model& full, const Box& box) {
+  bool leave_saddle(const QuadraticModel& full, const ParameterBox& box) {
     const double su = 1 / std::max(at_.du.norm(), 1e-300), sv = 1 / std::max(at_.dv.norm(), 1e-300);
     Eigen::Matrix2d scaled;
     scaled << full.a * su * su, full.b * su * sv, full.b * su * sv, full.c * sv * sv;
@@ -314,7 +277,7 @@ class Search {
   }
 
   /// Walks from uv_ along the better of two ways (unit speed in space), first far, then ever shorter.
-  bool best_way(const std::array<Vec2, 2>& ways, const Box& box) {
+  bool best_way(const std::array<Vec2, 2>& ways, const ParameterBox& box) {
     const Vec2 from = uv_;
     const PatchCurvature at = at_;
     const Vec3 r = r_;
@@ -356,7 +319,7 @@ class Search {
   Vec3 r_ = Vec3::Zero();
   double f_ = 0;
   bool held_ = false, convex_ = false;
-  int pole_visits_ = 0;
+  int pole_visits_ = 0, evaluations_ = 0;
 };
 
 }  // namespace

@@ -50,6 +50,7 @@ struct PatchFoot {
   bool at_border = false;  ///< held by the domain's border: the residual need not be normal
   FootConvergence convergence = FootConvergence::no_number;
   int iterations = 0;
+  int evaluations = 0;  ///< of the patch
 };
 
 /// A local minimum of the distance from `query` over the patch's domain, downhill from `start`. Steps solve

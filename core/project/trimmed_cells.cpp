@@ -184,6 +184,13 @@ class Splitter {
       const double angle = 1.5 * widest + 0.02;
       cell.normal_cosine = angle < 3 ? std::cos(angle) : -1;
     }
+    const Eigen::AlignedBox2d domain = patch_.domain();
+    for (int axis = 0; axis < 2; ++axis) {
+      if (settings_.open_sides[2 * axis] && cell.box.min()[axis] <= domain.min()[axis]) cell.at_open_side = true;
+      if (settings_.open_sides[2 * axis + 1] && cell.box.max()[axis] >= domain.max()[axis]) {
+        cell.at_open_side = true;
+      }
+    }
     cell.first_segment = static_cast<Offset>(result_.segments.size());
     cell.segment_count = static_cast<Index>(near.size());
     result_.segments.insert(result_.segments.end(), near.begin(), near.end());

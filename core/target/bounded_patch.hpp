@@ -1,4 +1,5 @@
 #pragma once
+#include <span>
 #include <vector>
 
 #include "core/target/parametric_patch.hpp"
@@ -15,6 +16,13 @@ class BoundedPatch : public ParametricPatch {
   /// Every point of the surface over the box is within the sum of the two numbers of the convex hull of the
   /// box's four corner points: what bends along u and what bends along v.
   virtual Vec2 deviation(const Eigen::AlignedBox2d& box) const = 0;
+
+  /// The points at all pairs of u and v, that of (u[i], v[j]) at [j * u.size() + i].
+  virtual void positions(std::span<const double> u, std::span<const double> v, std::span<Vec3> points) const {
+    for (std::size_t j = 0; j < v.size(); ++j) {
+      for (std::size_t i = 0; i < u.size(); ++i) points[j * u.size() + i] = first({u[i], v[j]}).position;
+    }
+  }
 };
 
 }  // namespace flowcage

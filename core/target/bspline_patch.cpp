@@ -170,6 +170,39 @@ PatchCurvature BSplinePatch::second(const Vec2& uv) const {
   return c;
 }
 
+void BSplinePatch::positions(std::span<const double> u, std::span<const double> v,
+                             std::span<Vec3> points) const {
+  const BSplineSurface& s = *surface_;
+  const int p = s.degree_u, q = s.degree_v, count_v = s.count_v(), dim = s.weights.empty() ? 3 : 4;
+  std::vector<Row> rows_v(v.size());
+  std::vector<int> spans_v(v.size());
+  for (std::size_t j = 0; j < v.size(); ++j) {
+    spans_v[j] = find_span(s.knots_v, v[j], first_span_[1], last_span_[1]);
+    basis(s.knots_v, q, spans_v[j], v[j], 0, &rows_v[j]);
+  }
+  // Along u first: a row of poles for each u, shared by all v.
+  std::vector<Eigen::Vector4d> along(static_cast<std::size_t>(count_v));
+  for (std::size_t i = 0; i < u.size(); ++i) {
+    const int span_u = find_span(s.knots_u, u[i], first_span_[0], last_span_[0]);
+    Row row_u;
+    basis(s.knots_u, p, span_u, u[i], 0, &row_u);
+    const auto [low, high] = std::minmax_element(spans_v.begin(), spans_v.end());
+    for (int k = *low - q; k <= *high; ++k) {
+      Eigen::Vector4d sum(0, 0, 0, 0);
+      for (int a = 0; a <= p; ++a) {
+        const double* pole = net_.data() + dim * ((span_u - p + a) * count_v + k);
+        sum += row_u[a] * Eigen::Vector4d(pole[0], pole[1], pole[2], dim == 4 ? pole[3] : 1.0);
+      }
+      along[k] = sum;
+    }
+    for (std::size_t j = 0; j < v.size(); ++j) {
+      Eigen::Vector4d sum(0, 0, 0, 0);
+      for (int b = 0; b <= q; ++b) sum += rows_v[j][b] * along[spans_v[j] - q + b];
+      points[j * u.size() + i] = dim == 4 ? Vec3(sum.head<3>() / sum[3]) : Vec3(sum.head<3>());
+    }
+  }
+}
+
 std::vector<double> BSplinePatch::breaks(int axis) const {
   const std::vector<double>& knots = axis == 0 ? surface_->knots_u : surface_->knots_v;
   std::vector<double> result{window_.min()[axis]};

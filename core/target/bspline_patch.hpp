@@ -37,6 +37,7 @@ class BSplinePatch final : public BoundedPatch {
   std::vector<double> breaks(int axis) const override;
   /// From the box's Bezier net, so a true bound (convex-hull property; positive weights).
   Vec2 deviation(const Eigen::AlignedBox2d& box) const override;
+  void positions(std::span<const double> u, std::span<const double> v, std::span<Vec3> points) const override;
 
  private:
   std::shared_ptr<const BSplineSurface> surface_;

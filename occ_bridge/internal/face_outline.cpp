@@ -98,9 +98,11 @@ FaceOutline face_outline(const TopoDS_Face& oriented, double precision) {
   FaceOutline outline;
   outline.precision = precision;
   outline.window.setEmpty();
+  outline.bounded = true;
   for (TopExp_Explorer it(face, TopAbs_EDGE); it.More(); it.Next()) {
     const TopoDS_Edge edge = TopoDS::Edge(it.Current());
     if (edge.Orientation() != TopAbs_FORWARD && edge.Orientation() != TopAbs_REVERSED) continue;
+    if (BRep_Tool::Degenerated(edge)) outline.bounded = false;
     double first = 0, last = 0;
     const Handle(Geom2d_Curve) pcurve = BRep_Tool::CurveOnSurface(edge, face, first, last);
     if (pcurve.IsNull()) {
@@ -131,6 +133,7 @@ FaceOutline face_outline(const TopoDS_Face& oriented, double precision) {
   double u0 = 0, u1 = 0, v0 = 0, v1 = 0;
   surface->Bounds(u0, u1, v0, v1);
   if (pieces.empty()) {
+    outline.bounded = false;
     outline.window = Eigen::AlignedBox2d(Vec2(u0, v0), Vec2(u1, v1));
     if (!(outline.window.sizes().maxCoeff() < 1e50)) {
       throw Error(ErrorKind::input, "a face has neither edges nor finite bounds", "repair the CAD");

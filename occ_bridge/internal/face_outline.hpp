@@ -13,6 +13,7 @@ namespace flowcage {
 struct FaceOutline {
   Eigen::AlignedBox2d window;         ///< of the parameter curves
   std::vector<TrimSegment> segments;  ///< all loops, without what lies on the window's border
+  bool bounded = false;  ///< by edges that are curves in space: none is missing, none collapsed to a point
   double precision = 0;               ///< in space, of the polygon against the parameter curves
 };
 

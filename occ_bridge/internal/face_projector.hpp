@@ -9,6 +9,14 @@
 
 namespace flowcage {
 
+/// What a batch of nearest-point queries costs: sums over it.
+struct ProjectionWork {
+  Offset cells = 0, pieces = 0;  ///< looked at: box of it within reach
+  Offset general_searches = 0;   ///< cells that several starts were needed for
+  Offset evaluations = 0;        ///< of surfaces, by Newton's method
+  Offset curve_evaluations = 0;  ///< of border curves
+};
+
 /// Exact projection to trimmed faces; the queries of TargetSurface (same meaning, same preconditions).
 ///
 /// Each face's surface is cut into cells with a bound of their departure from flat, each edge's space curve
@@ -39,6 +47,9 @@ class FaceProjector {
 
   /// One line for each face that is left out or was simplified.
   const std::vector<std::string>& notes() const;
+
+  /// The work of closest_points for the same queries and hints, for reports.
+  ProjectionWork work(std::span<const Vec3> queries, std::span<const SurfacePoint> hints) const;
 
   /// Sizes of the search structure, for reports.
   Index cell_count() const;

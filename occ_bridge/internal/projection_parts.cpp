@@ -17,6 +17,7 @@
 #include <limits>
 
 #include "core/base/error.hpp"
+#include "core/base/parallel.hpp"
 #include "occ_bridge/internal/occ_patch.hpp"
 
 namespace flowcage {
@@ -78,6 +79,16 @@ Box3 vertex_box(const std::vector<TopoDS_Face>& faces) {
   return box;
 }
 
+/// The patch's sides that are not the window's (kinks inside of the face), or all where edges are missing.
+std::array<bool, 4> open_sides(const BoundedPatch& patch, const FaceOutline& outline) {
+  const Eigen::AlignedBox2d domain = patch.domain();
+  const auto inner = [&](const Vec2& side, const Vec2& border, int axis) {
+    return !outline.bounded || std::abs(side[axis] - border[axis]) > 1e-9 * outline.window.sizes()[axis];
+  };
+  return {inner(domain.min(), outline.window.min(), 0), inner(domain.max(), outline.window.max(), 0),
+          inner(domain.min(), outline.window.min(), 1), inner(domain.max(), outline.window.max(), 1)};
+}
+
 void add_face(const TopoDS_Face& oriented, Index number, ProjectionParts& parts) {
   ProjectedFace& kept = parts.faces[number];
   const TopoDS_Face face = TopoDS::Face(oriented.Oriented(TopAbs_FORWARD));
@@ -114,6 +125,7 @@ void add_face(const TopoDS_Face& oriented, Index number, ProjectionParts& parts)
   const std::size_t first_cell = parts.cells.cells.size();
   try {
     for (auto& patch : patches) {
+      settings.open_sides = open_sides(*patch, outline);
       append_cells(*patch, static_cast<Index>(parts.patches.size()), trim, settings, parts.cells);
       parts.patches.push_back(std::move(patch));
       parts.patch_face.push_back(number);
@@ -254,6 +266,46 @@ Vec3 limit_normal(const BoundedPatch& patch, const Vec2& uv) {
   return Vec3::Zero();
 }
 
+/// Polynomials that agree with cells and pieces to the rounding of an evaluation.
+void add_polynomials(ProjectionParts& parts) {
+  constexpr Offset grain = 64;
+  std::vector<CellPolynomials::Fitted> fitted(parts.cells.cells.size());
+  const auto tolerance = [&](const Vec3& p) {
+    return 1e-14 * parts.length + 4 * std::numeric_limits<double>::epsilon() * p.cwiseAbs().maxCoeff();
+  };
+  const auto scaled_to = [](std::span<const double> unit, double low, double high) {
+    std::vector<double> result;
+    for (const double x : unit) result.push_back(0.5 * ((1 - x) * low + (1 + x) * high));
+    return result;
+  };
+  parallel_for(static_cast<Offset>(fitted.size()), grain, [&](Offset begin, Offset end) {
+    for (Offset c = begin; c < end; ++c) {
+      const PatchCell& cell = parts.cells.cells[c];
+      const auto sample = [&](std::span<const double> s, std::span<const double> t, std::span<Vec3> points) {
+        const auto u = scaled_to(s, cell.box.min().x(), cell.box.max().x());
+        const auto v = scaled_to(t, cell.box.min().y(), cell.box.max().y());
+        parts.patches[cell.patch]->positions(u, v, points);
+      };
+      fitted[c] = fit_cell_polynomial(sample, CellKind::surface, tolerance(cell.p00));
+    }
+  });
+  for (const auto& f : fitted) parts.cell_polynomials.append(f);
+  fitted.assign(parts.pieces.size(), {});
+  parallel_for(static_cast<Offset>(fitted.size()), grain, [&](Offset begin, Offset end) {
+    for (Offset c = begin; c < end; ++c) {
+      const CurvePiece& piece = parts.pieces[c];
+      if (piece.vertex) continue;
+      const ParametricCurve& curve = *parts.curves[piece.curve].curve;
+      const auto sample = [&](std::span<const double> s, std::span<const double>, std::span<Vec3> points) {
+        const auto t = scaled_to(s, piece.low, piece.high);
+        for (std::size_t i = 0; i < t.size(); ++i) points[i] = curve.second(t[i]).position;
+      };
+      fitted[c] = fit_cell_polynomial(sample, CellKind::curve, tolerance(piece.a));
+    }
+  });
+  for (const auto& f : fitted) parts.piece_polynomials.append(f);
+}
+
 }  // namespace
 
 ProjectionParts build_projection(const std::vector<TopoDS_Face>& faces) {
@@ -296,18 +348,22 @@ ProjectionParts build_projection(const std::vector<TopoDS_Face>& faces) {
                             " is left out: " + error.what());
     }
   }
+  add_polynomials(parts);
   std::vector<Box3> boxes;
-  boxes.reserve(parts.cells.cells.size() + parts.pieces.size());
+  std::vector<HullItem> hulls;
   for (const PatchCell& cell : parts.cells.cells) {
-    Box3 corners(cell.p00);
-    corners.extend(cell.p10).extend(cell.p01).extend(cell.p11);
-    boxes.push_back(grown(corners, cell.slack));
+    hulls.push_back({{cell.p00, cell.p10, cell.p01, cell.p11}, cell.slack});
   }
   for (const CurvePiece& piece : parts.pieces) {
-    Box3 ends(piece.a);
-    boxes.push_back(grown(ends.extend(piece.b), piece.slack));
+    hulls.push_back({{piece.a, piece.b, piece.a, piece.b}, piece.slack});
+  }
+  for (const HullItem& hull : hulls) {
+    Box3 corners;
+    for (const Vec3& p : hull.points) corners.extend(p);
+    boxes.push_back(grown(corners, hull.slack));
   }
   parts.tree = build_box_tree(boxes);
+  parts.near_tree = build_oriented_tree(parts.tree, hulls);
   return parts;
 }
 

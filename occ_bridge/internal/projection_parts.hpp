@@ -6,7 +6,9 @@
 #include <vector>
 
 #include "core/project/box_tree.hpp"
+#include "core/project/cell_polynomial.hpp"
 #include "core/project/closest_on_curve.hpp"
+#include "core/project/oriented_tree.hpp"
 #include "core/project/trimmed_cells.hpp"
 #include "core/target/target_surface.hpp"
 #include "occ_bridge/internal/face_outline.hpp"
@@ -52,7 +54,10 @@ struct ProjectionParts {
   TrimmedCells cells;
   std::vector<BorderCurve> curves;
   std::vector<CurvePiece> pieces;
-  BoxTree tree;  ///< items below cells.cells.size() are cells, the others pieces
+  /// Of the cells and pieces, by their numbers; empty where a surface or curve is no polynomial to rounding.
+  CellPolynomials cell_polynomials, piece_polynomials;
+  BoxTree tree;            ///< items below cells.cells.size() are cells, the others pieces
+  OrientedTree near_tree;  ///< the same items, for nearest points
   std::vector<std::string> notes;
 };
 

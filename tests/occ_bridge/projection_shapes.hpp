@@ -10,6 +10,7 @@
 #include <BRepPrimAPI_MakeCylinder.hxx>
 #include <BRepPrimAPI_MakeSphere.hxx>
 #include <BRepPrimAPI_MakeTorus.hxx>
+#include <BRep_Builder.hxx>
 #include <GeomAPI_PointsToBSpline.hxx>
 #include <GeomAPI_PointsToBSplineSurface.hxx>
 #include <Geom_BSplineCurve.hxx>
@@ -18,6 +19,7 @@
 #include <TColgp_Array2OfPnt.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
+#include <TopoDS_Compound.hxx>
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Face.hxx>
 #include <TopoDS_Wire.hxx>
@@ -81,6 +83,45 @@ inline TopoDS_Shape sheet_with_holes() {
       BRepPrimAPI_MakeCylinder(gp_Ax2(gp_Pnt(0.7, 0.8, -1), gp_Dir(0.1, 0.05, 1)), 0.3, 2).Shape();
   const TopoDS_Shape square = BRepPrimAPI_MakeBox(gp_Pnt(1.3, 1.2, -1), gp_Pnt(1.7, 1.75, 1)).Shape();
   return BRepAlgoAPI_Cut(BRepAlgoAPI_Cut(face, round).Shape(), square).Shape();
+}
+
+/// A bumpy ring of 12 x 13 cubic B-spline faces, each with a slanted round hole and a corner cut off.
+inline TopoDS_Shape trimmed_panels() {
+  constexpr int around = 12, across = 13, grid = 8;
+  const double pi = std::acos(-1.0);
+  const auto point = [&](double a, double b) {
+    const double u = 2 * pi * a / around, v = 2 * pi * b / across;
+    const double r = 0.4 + 0.04 * std::sin(3 * u) * std::cos(2 * v), ring = 1 + r * std::cos(v);
+    return gp_Pnt(ring * std::cos(u), ring * std::sin(u), r * std::sin(v));
+  };
+  TopoDS_Compound panels;
+  BRep_Builder builder;
+  builder.MakeCompound(panels);
+  for (int i = 0; i < around; ++i) {
+    for (int j = 0; j < across; ++j) {
+      TColgp_Array2OfPnt points(1, grid, 1, grid);
+      for (int k = 0; k < grid * grid; ++k) {
+        const int row = k / grid, column = k % grid;
+        points.SetValue(row + 1, column + 1, point(i + row / (grid - 1.0), j + column / (grid - 1.0)));
+      }
+      const TopoDS_Shape face = BRepBuilderAPI_MakeFace(
+          GeomAPI_PointsToBSplineSurface(points, 3, 3, GeomAbs_C2, 1e-5).Surface(), 1e-7);
+      const gp_Pnt center = point(i + 0.45, j + 0.45), corner = point(i + 1, j + 1),
+                   inner = point(i + 0.5, j + 0.5);
+      const gp_Vec normal =
+          gp_Vec(center, point(i + 0.6, j + 0.45)) ^ gp_Vec(center, point(i + 0.45, j + 0.6));
+      const gp_Dir slanted(normal.Normalized() + 0.3 * gp_Vec(0.2, 0.5, 0.8));
+      const auto drill = [&](const gp_Pnt& at, double radius) {
+        return BRepPrimAPI_MakeCylinder(gp_Ax2(at.Translated(gp_Vec(slanted) * -0.2), slanted), radius, 0.4)
+            .Shape();
+      };
+      const double size = center.Distance(corner);
+      const TopoDS_Shape holed =
+          BRepAlgoAPI_Cut(face, drill(center, 0.35 * inner.Distance(point(i + 1, j + 0.5)))).Shape();
+      builder.Add(panels, BRepAlgoAPI_Cut(holed, drill(corner, 0.4 * size)).Shape());
+    }
+  }
+  return panels;
 }
 
 struct NamedShape {

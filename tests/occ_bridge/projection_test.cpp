@@ -2,15 +2,9 @@
 #include <BRepExtrema_DistShapeShape.hxx>
 #include <BRep_Builder.hxx>
 #include <Geom_BezierSurface.hxx>
-#include <IGESControl_Reader.hxx>
 #include <IntCurvesFace_ShapeIntersector.hxx>
-#include <Message.hxx>
-#include <Message_Messenger.hxx>
-#include <STEPControl_Reader.hxx>
 #include <TopoDS_Compound.hxx>
-#include <filesystem>
 #include <gp_Lin.hxx>
-#include <iostream>
 #include <limits>
 #include <random>
 
@@ -242,51 +236,4 @@ TEST_CASE("queries that are no numbers fail and harm nothing") {
   CHECK(results[0].status == FootStatus::failed);
   CHECK(results[2].distance == Approx(1));
   CHECK(closest(FaceProjector({}), {Vec3(0, 0, 0)})[0].status == FootStatus::failed);
-}
-
-TEST_CASE("real files: never farther than the kernel's own search") {
-  const std::filesystem::path folder = FLOWCAGE_REAL_CAD_DIR;
-  if (!std::filesystem::is_directory(folder)) {
-    std::cout << "no folder of real CAD files: skipped\n";
-    return;
-  }
-  Message::DefaultMessenger()->RemovePrinters(STANDARD_TYPE(Message_Printer));
-  // Quick ones with poles, kinks inside of faces, trimmed and open faces, high degrees.
-  for (const char* name : {"sphere_rhino.igs", "vsp_wing_thick_te2.stp", "dtmb5415_bow.iges",
-                           "gmsh_sewfaces.step", "esp_iges2.igs", "kurbelwelle.stp"}) {
-    INFO(name);
-    const std::string path = (folder / name).string();
-    TopoDS_Shape shape;
-    if (path.find(".ig") != std::string::npos) {
-      IGESControl_Reader reader;
-      REQUIRE(reader.ReadFile(path.c_str()) == IFSelect_RetDone);
-      reader.TransferRoots();
-      shape = reader.OneShape();
-    } else {
-      STEPControl_Reader reader;
-      REQUIRE(reader.ReadFile(path.c_str()) == IFSelect_RetDone);
-      reader.TransferRoots();
-      shape = reader.OneShape();
-    }
-    const auto faces = test_shapes::faces_of(shape);
-    const FaceProjector projector(faces);
-    CHECK(projector.notes().empty());
-    // Points around the model: scaled by what a projection of the origin's surroundings spans.
-    const auto around = closest(projector, random_points(100, 1e6));
-    Box3 box;
-    for (const SurfacePoint& p : around) box.extend(p.position);
-    const double diagonal = box.diagonal().norm();
-    std::vector<Vec3> queries = random_points(24, 0.5);
-    for (std::size_t i = 0; i < queries.size(); ++i) {
-      const double reach = i % 2 == 0 ? 0.02 : 1.0;
-      const Vec3 from = i % 2 == 0 ? around[i].position : box.center();
-      queries[i] = from + reach * diagonal * queries[i];
-    }
-    const TopoDS_Compound compound = loose(faces);
-    const auto results = closest(projector, queries);
-    for (std::size_t i = 0; i < queries.size(); ++i) {
-      CHECK(results[i].distance <= kernel_distance(compound, queries[i]) + 1e-9 * diagonal);
-      CHECK(std::abs(results[i].normal.norm() - 1) < 1e-9);
-    }
-  }
 }

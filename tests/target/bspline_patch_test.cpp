@@ -85,6 +85,18 @@ TEST_CASE("a rational quadratic is an exact cylinder; a plane's poles give the p
   }
 }
 
+TEST_CASE("a grid of positions is that of single ones") {
+  for (const bool rational : {false, true}) {
+    const BSplinePatch patch(random_surface(5, 2, rational), unit_square);
+    const std::vector<double> u{0, 0.31, 0.5, 1}, v{1, 0.2, 0.77};
+    std::vector<Vec3> grid(u.size() * v.size());
+    patch.positions(u, v, grid);
+    for (std::size_t k = 0; k < grid.size(); ++k) {
+      CHECK((grid[k] - patch.first({u[k % 4], v[k / 4]}).position).norm() < 1e-14);
+    }
+  }
+}
+
 TEST_CASE("a window evaluates knots from its own side") {
   auto s = std::make_shared<BSplineSurface>();
   s->degree_u = s->degree_v = 1;
