@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <span>
 
 namespace flowcage {
 namespace {
+
+constexpr double least_uneven = 0.01;  // of max_size: cells below are not split for their parametrisation
 
 double cross(const Vec2& a, const Vec2& b) {
   return a.x() * b.y() - a.y() * b.x();
@@ -73,6 +76,15 @@ double relative_norm(const PatchCurvature& at, double p, double q, double s) {
   return (std::max(p / (u * u), s / (v * v)) + q / (u * v)) / (1 - cosine + 1e-12);
 }
 
+/// Bound of how much the Hessian of half the squared distance of the point `middle` differs between it and
+/// another point of the cell, relative to the first fundamental form.
+double metric_difference(const PatchCurvature& middle, const PatchCurvature& c) {
+  const Vec3 way = c.position - middle.position;
+  return relative_norm(middle, std::abs(c.du.squaredNorm() + way.dot(c.duu) - middle.du.squaredNorm()),
+                       std::abs(c.du.dot(c.dv) + way.dot(c.duv) - middle.du.dot(middle.dv)),
+                       std::abs(c.dv.squaredNorm() + way.dot(c.dvv) - middle.dv.squaredNorm()));
+}
+
 class Splitter {
  public:
   Splitter(const BoundedPatch& patch, Index number, const CellSettings& settings, TrimmedCells& result)
@@ -93,11 +105,14 @@ class Splitter {
     const double size = std::max(diagonal, lengths.norm());
     const bool flat = cell.slack <= settings_.flatness * diagonal;
     const bool small = size <= (near.empty() ? settings_.max_size : settings_.max_trimmed_size);
-    if ((flat && small) || size <= settings_.min_size || depth >= settings_.max_depth) {
+    const bool done = flat && small;
+    std::optional<int> uneven;
+    if (done && size > least_uneven * settings_.max_size) uneven = uneven_axis(cell);
+    if ((done && !uneven) || size <= settings_.min_size || depth >= settings_.max_depth) {
       finish(cell, near);
       return;
     }
-    int axis = lengths.x() > lengths.y() ? 0 : 1;
+    int axis = uneven.value_or(lengths.x() > lengths.y() ? 0 : 1);
     if (!flat && std::max(deviation.x(), deviation.y()) > twist) axis = deviation.x() > deviation.y() ? 0 : 1;
     const double middle = 0.5 * (box.min()[axis] + box.max()[axis]);
     if (!(middle > box.min()[axis] && middle < box.max()[axis])) {
@@ -145,6 +160,25 @@ class Splitter {
   }
 
  private:
+  /// The axis along which the parametrisation's speed changes most, if it is so much that nearest points of
+  /// near queries could not be shown to be the only ones.
+  std::optional<int> uneven_axis(const PatchCell& cell) const {
+    constexpr double most = 0.3;
+    const PatchCurvature middle = patch_.second(cell.box.center());
+    std::array<double, 2> change{};
+    for (int axis = 0; axis < 2; ++axis) {
+      for (const double end : {0.0, 1.0}) {
+        Vec2 fraction(0.5, 0.5);
+        fraction[axis] = end;
+        const PatchCurvature c = patch_.second(cell.box.min() + fraction.cwiseProduct(cell.box.sizes()));
+        change[axis] = std::max(change[axis], metric_difference(middle, c));
+      }
+    }
+    const int axis = change[0] > change[1] ? 0 : 1;
+    if (!(change[axis] > most) || !std::isfinite(change[axis])) return std::nullopt;
+    return axis;
+  }
+
   void finish(PatchCell& cell, const std::vector<TrimSegment>& near) {
     std::vector<Vec3> normals;
     Vec3 sum = Vec3::Zero();
@@ -160,15 +194,10 @@ class Splitter {
           continue;
         }
         // H = I + r . S'' with r = (middle - query) + (S - middle): what differs from the middle's.
-        const Vec3 way = c.position - middle.position;
         cell.bend_change = std::max(
             cell.bend_change, relative_norm(middle, (c.duu - middle.duu).norm(), (c.duv - middle.duv).norm(),
                                             (c.dvv - middle.dvv).norm()));
-        cell.metric_change = std::max(
-            cell.metric_change,
-            relative_norm(middle, std::abs(c.du.squaredNorm() + way.dot(c.duu) - middle.du.squaredNorm()),
-                          std::abs(c.du.dot(c.dv) + way.dot(c.duv) - middle.du.dot(middle.dv)),
-                          std::abs(c.dv.squaredNorm() + way.dot(c.dvv) - middle.dv.squaredNorm())));
+        cell.metric_change = std::max(cell.metric_change, metric_difference(middle, c));
         normals.push_back(n.normalized());
         sum += normals.back();
       }
@@ -186,7 +215,8 @@ class Splitter {
     }
     const Eigen::AlignedBox2d domain = patch_.domain();
     for (int axis = 0; axis < 2; ++axis) {
-      if (settings_.open_sides[2 * axis] && cell.box.min()[axis] <= domain.min()[axis]) cell.at_open_side = true;
+      if (settings_.open_sides[2 * axis] && cell.box.min()[axis] <= domain.min()[axis])
+        cell.at_open_side = true;
       if (settings_.open_sides[2 * axis + 1] && cell.box.max()[axis] >= domain.max()[axis]) {
         cell.at_open_side = true;
       }
