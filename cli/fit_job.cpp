@@ -4,12 +4,12 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <set>
 
 #include "core/cage/read_cage.hpp"
 #include "core/mesh/surface_level.hpp"
-#include "core/refit/cage_check.hpp"
 
 namespace flowcage {
 
@@ -20,7 +20,7 @@ FitInputs read_fit_inputs(const Options& options, Progress& progress) {
   }
   const auto start = std::chrono::steady_clock::now();
   // The cage first: it is read at once, and most likely to be wrong.
-  Cage drawn = read_cage(options.cage);
+  MendedCage drawn = read_mended_cage(options.cage);
   CadReadSettings settings;
   settings.cad_unit = options.cad_unit;
   settings.crease_angle_degrees = options.crease_angle;
@@ -29,10 +29,17 @@ FitInputs read_fit_inputs(const Options& options, Progress& progress) {
   const double unit = !options.cage_unit.empty() ? metres_per_unit(options.cage_unit)
                       : cad_unit > 0             ? cad_unit
                                                  : 1;
-  Cage cage = scale_cage(std::move(drawn), unit);
-  check_cage_belongs(cage, cad);  // before blocks or far fields are judged by it
+  for (LintFinding& finding : drawn.mended) {
+    progress.warn(finding.message + ": " + finding.remedy);
+    for (Vec3& p : finding.places) p *= unit;
+  }
+  // Before blocks or far fields are made from it. An outer polyhedron must have the faces of the drawn cage.
+  PrepareSettings prepare;
+  prepare.new_faces = options.outer.empty();
+  PreparedCage cage = prepare_cage(scale_cage(std::move(drawn.cage), unit), cad, prepare, progress);
+  cage.lint.insert(cage.lint.begin(), drawn.mended.begin(), drawn.mended.end());
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-  return {std::move(cad), std::move(cage), unit, seconds.count()};
+  return {std::move(cad), std::move(cage.cage), cage.creases, std::move(cage.lint), unit, seconds.count()};
 }
 
 Cage read_cage_in_metres(const std::string& file, double unit) {
@@ -69,11 +76,24 @@ Json cage_json(const FitInputs& inputs, const Options& options) {
   for (const Cage::Crease& c : cage.creases) {
     if (c.sharpness > 0) creases.insert(std::minmax(c.a, c.b));
   }
+  Json lint = Json::array();
+  for (const LintFinding& finding : inputs.lint) {
+    Json places = Json::array();
+    for (const Vec3& p : finding.places) places.push_back(json_of(p));
+    lint.push_back({{"rule", finding.rule},
+                    {"severity", finding.severity == LintFinding::Severity::mended ? "mended" : "warning"},
+                    {"message", finding.message},
+                    {"remedy", finding.remedy},
+                    {"places", places}});
+  }
+  static constexpr std::array sources{"file", "found", "none"};
   return {{"source", options.cage},
           {"vertices", cage.points.size()},
           {"faces", cage.faces.size()},
           {"crease_edges", creases.size()},
-          {"genus", topology_of(build_surface_level(cage)).genus}};
+          {"creases", sources[static_cast<std::size_t>(inputs.creases)]},
+          {"genus", topology_of(build_surface_level(cage)).genus},
+          {"lint", lint}};
 }
 
 Json surface_json(const SurfaceFit& fit) {

@@ -6,6 +6,7 @@
 #include "core/mesh/cage.hpp"
 #include "core/options.hpp"
 #include "core/pipeline.hpp"
+#include "core/refit/prepare_cage.hpp"
 #include "occ_bridge/cad_model.hpp"
 
 namespace flowcage {
@@ -13,12 +14,15 @@ namespace flowcage {
 /// What the commands surface and mesh share: their inputs, gates and JSON.
 struct FitInputs {
   CadModel cad;
-  Cage cage;             ///< in metres
+  Cage cage;  ///< in metres, as the linter left it
+  PreparedCage::Creases creases = PreparedCage::Creases::none;
+  LintReport lint;       ///< places in metres
   double cage_unit = 1;  ///< metres
   double read_seconds = 0;
 };
 
-/// Reads the CAD files and the cage. Throws Error(usage) without --cage.
+/// Reads the CAD files and the cage and makes it ready (prepare_cage.hpp). Throws Error(usage) without
+/// --cage.
 FitInputs read_fit_inputs(const Options& options, Progress& progress);
 
 /// A cage file in metres; unit as read_fit_inputs found it.

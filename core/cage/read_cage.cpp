@@ -16,6 +16,7 @@
 #include <system_error>
 
 #include "core/base/error.hpp"
+#include "core/cage/orient_faces.hpp"
 #include "core/mesh/manifold_check.hpp"
 
 namespace flowcage {
@@ -97,7 +98,8 @@ class ObjParser {
  public:
   ObjParser(std::string_view text, const std::string& source) : lines_(text) { cage_.source = source; }
 
-  Cage parse() {
+  /// With `mended`, faces that run against their neighbours are reversed and reported there.
+  Cage parse(LintReport* mended) {
     while (const std::optional<std::string_view> line = lines_.next()) {
       std::string_view rest = *line;
       const std::string_view keyword = next_word(rest);
@@ -108,7 +110,15 @@ class ObjParser {
                         "a cage is an OBJ file with `v` and `f` lines (docs/cages.md)");
     }
     if (cage_.patch_names.empty()) cage_.patch_names.emplace_back();
-    if (const std::optional<CageDefect> defect = find_manifold_defect(cage_)) {
+    std::optional<CageDefect> defect = find_manifold_defect(cage_);
+    if (defect && defect->kind == CageDefect::Kind::inconsistent_faces && mended != nullptr) {
+      if (const auto reversed = faces_to_reverse(cage_.faces)) {
+        report_reversed(*reversed, *mended);
+        reverse_faces(*reversed, cage_.faces);
+        defect = find_manifold_defect(cage_);
+      }
+    }
+    if (defect) {
       throw input_error(cage_.source, line_of(*defect), defect->message, defect->remedy);
     }
     return std::move(cage_);
@@ -117,6 +127,22 @@ class ObjParser {
  private:
   [[noreturn]] void fail(const std::string& what, std::string remedy) const {
     throw input_error(cage_.source, lines_.line(), what, std::move(remedy));
+  }
+
+  void report_reversed(const std::vector<Index>& faces, LintReport& mended) const {
+    LintFinding finding{"face_direction", LintFinding::Severity::mended, {}, {}, {}};
+    for (const Index f : faces) {
+      Vec3 centre = Vec3::Zero();
+      for (const Index v : cage_.faces[f]) centre += cage_.points[v] / cage_.faces.row_size(f);
+      finding.places.push_back(centre);
+    }
+    finding.message = fmt::format(
+        "{}:{}: {} face{} ran against the neighbours and {} reversed (the first is face {} at {})",
+        cage_.source, face_lines_[faces.front()], faces.size(), faces.size() > 1 ? "s" : "",
+        faces.size() > 1 ? "were" : "was", faces.front() + 1, place(finding.places.front()));
+    finding.remedy =
+        "draw all faces counter-clockwise seen from the fluid (\"recalculate outside\" of a modeller)";
+    mended.push_back(std::move(finding));
   }
 
   void parse_statement(std::string_view keyword, std::string_view rest) {
@@ -372,9 +398,7 @@ std::string file_content(const std::filesystem::path& path) {
   return text;
 }
 
-}  // namespace
-
-Cage parse_cage(std::string_view text, const std::string& source) {
+Cage parse(std::string_view text, const std::string& source, LintReport* mended) {
   constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
   if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
   if (const std::size_t zero = text.find('\0'); zero != std::string_view::npos) {
@@ -386,11 +410,27 @@ Cage parse_cage(std::string_view text, const std::string& source) {
     throw input_error(source, 0, "the file is empty",
                       "a cage is an OBJ file with `v` and `f` lines (docs/cages.md)");
   }
-  return ObjParser(text, source).parse();
+  return ObjParser(text, source).parse(mended);
+}
+
+}  // namespace
+
+Cage parse_cage(std::string_view text, const std::string& source) {
+  return parse(text, source, nullptr);
 }
 
 Cage read_cage(const std::filesystem::path& file) {
   return parse_cage(file_content(file), file.string());
+}
+
+MendedCage parse_mended_cage(std::string_view text, const std::string& source) {
+  MendedCage result;
+  result.cage = parse(text, source, &result.mended);
+  return result;
+}
+
+MendedCage read_mended_cage(const std::filesystem::path& file) {
+  return parse_mended_cage(file_content(file), file.string());
 }
 
 Cage scale_cage(Cage cage, double factor) {

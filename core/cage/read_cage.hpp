@@ -3,6 +3,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/cage/lint_report.hpp"
 #include "core/mesh/cage.hpp"
 
 namespace flowcage {
@@ -23,6 +24,17 @@ Cage read_cage(const std::filesystem::path& file);
 
 /// The same for text in memory; `source` is what messages call it.
 Cage parse_cage(std::string_view text, const std::string& source);
+
+/// A cage and what was put right in it while reading.
+struct MendedCage {
+  Cage cage;
+  LintReport mended;
+};
+
+/// The same, but faces that run against their neighbours are reversed (rule "face_direction") where the
+/// surface can be oriented at all; otherwise that is refused as above.
+MendedCage read_mended_cage(const std::filesystem::path& file);
+MendedCage parse_mended_cage(std::string_view text, const std::string& source);
 
 /// Coordinates times `factor` (> 0), for example 0.001 for a cage drawn in millimetres.
 Cage scale_cage(Cage cage, double factor);

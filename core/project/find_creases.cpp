@@ -13,6 +13,7 @@
 #include "core/base/error.hpp"
 #include "core/project/chain_runs.hpp"
 #include "core/project/crease_chains.hpp"
+#include "core/project/feature_match.hpp"
 
 namespace flowcage {
 namespace {
@@ -52,14 +53,18 @@ class CreaseFinder {
   FoundCreases run() {
     FoundCreases found;
     found.cage = cage_;
-    for (const FeatureChain& chain : features_.chains) found.sharp_chains += chain.kind == ChainKind::sharp;
     if (features_.chains.empty()) return found;
     assign_corners();
     share_vertices();
     prepare_runs();
-    const Routing routing = improved(route({}));
-    add_creases(routing, found);
-    add_corners(found);
+    Routing routing = improved(route({}));
+    do {
+      found = {};
+      found.cage = cage_;
+      add_creases(routing, found);
+      add_corners(found);
+    } while (take_back(found.cage, routing));
+    for (const FeatureChain& chain : features_.chains) found.sharp_chains += chain.kind == ChainKind::sharp;
     report(routing, found);
     return found;
   }
@@ -378,6 +383,28 @@ class CreaseFinder {
     found.corners.assign(corners.begin(), corners.end());
   }
 
+  /// Gives up doubtful paths that the fit would not match to the target: a crease without a partner spoils
+  /// the surface. True if there were any.
+  bool take_back(const Cage& cage, Routing& routing) const {
+    const SurfaceLevel level = build_surface_level(cage);
+    const std::vector<CreaseChain> chains = crease_chains(level);
+    const FeatureMatch match = match_features(level, cage.points, chains, target_);
+    std::vector<bool> unmatched(level_.edge_vertices.size(), false);
+    for (std::size_t c = 0; c < chains.size(); ++c) {
+      if (match.chains[c].matched || chains[c].boundary) continue;
+      for (const Index e : chains[c].edges) unmatched[e] = true;
+    }
+    bool any = false;
+    for (std::size_t r = 0; r < runs_.size(); ++r) {
+      EdgePath& path = routing.paths[r];
+      const bool doubtful = path.cost > 0.5 * settings_.cost_limit && path.edges.size() > 1;
+      if (!path.found || !doubtful || runs_[r].kind != ChainKind::sharp) continue;
+      path.found = std::none_of(path.edges.begin(), path.edges.end(), [&](Index e) { return unmatched[e]; });
+      any = any || !path.found;
+    }
+    return any;
+  }
+
   void report(const Routing& routing, FoundCreases& found) const {
     const auto along = [&](const ChainRun& run) {
       return fmt::format("from {} over {}, {:.4g} m long", place(run.samples.front()),
@@ -405,9 +432,9 @@ class CreaseFinder {
     }
     if (details > 0) {
       found.warnings.push_back(
-          fmt::format("{} sharp edge{} of the CAD left out, shorter than the cage's edges there (the longest "
+          fmt::format("{} sharp edge{} left out, shorter than the cage's edges there (the longest "
                       "{}): draw a finer cage there if the detail matters",
-                      details, details > 1 ? "s are" : " is", along(*longest_detail)));
+                      details, details > 1 ? "s of the CAD are" : " of the CAD is", along(*longest_detail)));
     }
   }
   double edge_length_near(const ChainRun& run) const {
