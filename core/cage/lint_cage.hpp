@@ -10,8 +10,8 @@ struct CageLintSettings {
   double length_ratio = 4;       ///< of neighbouring edges along a line of the cage
   double close_vertices = 1e-3;  ///< nearest vertices without a common edge, in their mean edge lengths
   double flat_face = 1e-4;       ///< four areas of a face over its squared perimeter; a square has 1/4
-  Index face_corners = 8;        ///< of a face
-  Index valence = 8;             ///< edges at a vertex
+  Index face_corners = 6;        ///< of a face
+  Index valence = 6;             ///< edges at a vertex
 };
 
 /// What in the cage alone will make a poor surface, as warnings:
