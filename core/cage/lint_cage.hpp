@@ -7,7 +7,7 @@ namespace flowcage {
 /// Bounds beyond which a cage's shape is measured to cost accuracy or quality (docs/cages.md has the
 /// figures).
 struct CageLintSettings {
-  double length_ratio = 4;       ///< of neighbouring edges along a line of the cage
+  double length_ratio = 10;      ///< of neighbouring edges along a line of the cage
   double close_vertices = 1e-3;  ///< nearest vertices without a common edge, in their mean edge lengths
   double flat_face = 1e-4;       ///< four areas of a face over its squared perimeter; a square has 1/4
   Index face_corners = 6;        ///< of a face
