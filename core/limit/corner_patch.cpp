@@ -120,19 +120,7 @@ SmoothSector sector_of(const PatchShape& shape, const LimitRing& ring) {
 bool is_bicubic(const PatchShape& shape) {
   const std::vector<int> sharp = sharp_edges_of(shape);
   const LimitRing ring = ring_of(shape, sharp);
-  const int faces = sector_of(shape, ring).face_count;
-  switch (ring.rule) {
-    case VertexRule::smooth:
-      return faces == 4;
-    case VertexRule::crease:
-      return faces == 2;
-    case VertexRule::corner:
-      return faces == 1 && shape.edge_sharpness[shape.face] > 0 &&
-             shape.edge_sharpness[wrap(shape.face + 1, shape.edge_count)] > 0;
-    case VertexRule::dart:
-      break;
-  }
-  return false;
+  return is_regular(ring, sector_of(shape, ring));
 }
 
 PatchRows bicubic_rows(const PatchShape& shape, double s, double t) {

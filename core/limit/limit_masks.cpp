@@ -196,6 +196,20 @@ void list_sectors(const LimitRing& ring, std::vector<SmoothSector>& sectors) {
   }
 }
 
+bool is_regular(const LimitRing& ring, const SmoothSector& sector) {
+  switch (ring.rule) {
+    case VertexRule::smooth:
+      return sector.face_count == 4;
+    case VertexRule::crease:
+      return sector.face_count == 2;
+    case VertexRule::corner:
+      return sector.face_count == 1;
+    case VertexRule::dart:
+      break;
+  }
+  return false;
+}
+
 void limit_position_mask(const LimitRing& ring, RingWeights& position) {
   position.reset(ring.edge_count, ring.face_count);
   const double n = ring.edge_count;

@@ -5,60 +5,10 @@
 #include <cmath>
 #include <limits>
 
+#include "core/target/bspline_basis.hpp"
+
 namespace flowcage {
 namespace {
-
-constexpr int max_order = BSplinePatch::max_degree + 1;
-using Row = std::array<double, max_order>;
-
-/// The last knot index k with knots[k] <= t among the spans [first, last].
-int find_span(const std::vector<double>& knots, double t, int first, int last) {
-  const auto begin = knots.begin() + first + 1, end = knots.begin() + last + 1;
-  int span = static_cast<int>(std::upper_bound(begin, end, t) - knots.begin()) - 1;
-  while (span > first && knots[span] == knots[span + 1]) --span;
-  return span;
-}
-
-/// Values, first and second derivatives of the degree + 1 basis functions that are not zero on a span:
-/// Cox and de Boor's recurrence, keeping the rows of degree - 2 and degree - 1 for the derivatives.
-void basis(const std::vector<double>& knots, int degree, int span, double t, int order, Row* rows) {
-  Row& value = rows[0];
-  Row lower{}, lowest{};  // of degree - 1 and degree - 2
-  value[0] = 1;
-  const double* k = knots.data() + span;
-  for (int d = 1; d <= degree; ++d) {
-    if (d == degree - 1) lowest = value;
-    if (d == degree) lower = value;
-    double carry = 0;
-    for (int i = 0; i < d; ++i) {
-      const double left = k[1 + i - d], right = k[1 + i];
-      const double part = value[i] / (right - left);
-      value[i] = carry + (right - t) * part;
-      carry = (t - left) * part;
-    }
-    value[d] = carry;
-  }
-  // N'_{i,p} = p (N_{i,p-1} / (t_{i+p} - t_i) - N_{i+1,p-1} / (t_{i+p+1} - t_{i+1}))
-  const auto differentiate = [&](const Row& from, int d, Row& to) {
-    double carry = 0;
-    for (int i = 0; i < d; ++i) {
-      const double part = d * from[i] / (k[1 + i] - k[1 + i - d]);
-      to[i] = carry - part;
-      carry = part;
-    }
-    to[d] = carry;
-  };
-  if (order >= 1) differentiate(lower, degree, rows[1]);
-  if (order >= 2) {
-    if (degree >= 2) {
-      Row slope{};
-      differentiate(lowest, degree - 1, slope);
-      differentiate(slope, degree, rows[2]);
-    } else {
-      rows[2][0] = rows[2][1] = 0;
-    }
-  }
-}
 
 /// Rows b of weights on the span's poles so that pole b of the Bezier form over [low, high] is their sum: the
 /// blossom at (low, ..., low, high, ..., high).
@@ -115,11 +65,11 @@ PatchPoint BSplinePatch::first(const Vec2& uv) const {
 PatchCurvature BSplinePatch::second(const Vec2& uv) const {
   const BSplineSurface& s = *surface_;
   const int p = s.degree_u, q = s.degree_v, count_v = s.count_v();
-  const int span_u = find_span(s.knots_u, uv.x(), first_span_[0], last_span_[0]);
-  const int span_v = find_span(s.knots_v, uv.y(), first_span_[1], last_span_[1]);
-  std::array<Row, 3> bu, bv;
-  basis(s.knots_u, p, span_u, uv.x(), 2, bu.data());
-  basis(s.knots_v, q, span_v, uv.y(), 2, bv.data());
+  const int span_u = find_knot_span(s.knots_u, uv.x(), first_span_[0], last_span_[0]);
+  const int span_v = find_knot_span(s.knots_v, uv.y(), first_span_[1], last_span_[1]);
+  std::array<BasisRow, 3> bu, bv;
+  bspline_basis(s.knots_u, p, span_u, uv.x(), bu);
+  bspline_basis(s.knots_v, q, span_v, uv.y(), bv);
   if (s.weights.empty()) {
     Vec3 r = Vec3::Zero(), u = r, v = r, uu = r, uv_ = r, vv = r;
     for (int i = 0; i <= p; ++i) {
@@ -217,8 +167,8 @@ Vec2 BSplinePatch::deviation(const Eigen::AlignedBox2d& box) const {
   const BSplineSurface& s = *surface_;
   const int p = s.degree_u, q = s.degree_v, count_v = s.count_v(), dim = s.weights.empty() ? 3 : 4;
   const Vec2 middle = box.center();
-  const int span_u = find_span(s.knots_u, middle.x(), first_span_[0], last_span_[0]);
-  const int span_v = find_span(s.knots_v, middle.y(), first_span_[1], last_span_[1]);
+  const int span_u = find_knot_span(s.knots_u, middle.x(), first_span_[0], last_span_[0]);
+  const int span_v = find_knot_span(s.knots_v, middle.y(), first_span_[1], last_span_[1]);
   std::vector<double> ru, rv;
   bezier_rows(s.knots_u, p, span_u, Vec2(box.min().x(), box.max().x()), ru);
   bezier_rows(s.knots_v, q, span_v, Vec2(box.min().y(), box.max().y()), rv);
