@@ -133,6 +133,14 @@ Json gates_json(const std::vector<Gate>& gates) {
   return list;
 }
 
+Json step_json(const PatchSurface& patches, double diagonal) {
+  return {{"patches", patches.patches.size()},
+          {"edges", patches.edges.size()},
+          {"max_deviation", patches.max_deviation / diagonal},
+          {"max_angle", patches.max_angle_degrees},
+          {"max_angle_place", json_of(patches.worst_angle_place)}};
+}
+
 Offset peak_memory_bytes() {
   rusage usage{};
   ::getrusage(RUSAGE_SELF, &usage);

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "cli/json_report.hpp"
+#include "core/limit/bicubic_patches.hpp"
 #include "core/mesh/cage.hpp"
 #include "core/options.hpp"
 #include "core/pipeline.hpp"
@@ -39,6 +40,9 @@ void require_gates(const std::vector<Gate>& gates);
 Json cage_json(const FitInputs& inputs, const Options& options);
 Json surface_json(const SurfaceFit& fit);
 Json gates_json(const std::vector<Gate>& gates);
+
+/// "step" of the contract's "surface": B-spline patches; `diagonal` is the CAD's, in metres.
+Json step_json(const PatchSurface& patches, double diagonal);
 
 /// Largest memory of this process so far.
 Offset peak_memory_bytes();

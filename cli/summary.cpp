@@ -23,6 +23,14 @@ std::string surface_summary(const SurfaceFit& fit, double diagonal) {
   return text;
 }
 
+std::string patches_summary(const PatchSurface& patches, double diagonal) {
+  return fmt::format(
+      "{} B-spline patches; {:.3g} m from the fitted surface ({:.3g} diagonals); {:.3g} degrees "
+      "between their normals off creases\n",
+      patches.patches.size(), patches.max_deviation, patches.max_deviation / diagonal,
+      patches.max_angle_degrees);
+}
+
 std::string volume_summary(const VolumeResult& result, double diagonal, const Options& options) {
   const QualityReport& q = result.quality;
   std::string text = surface_summary(result.fit, diagonal);

@@ -4,17 +4,14 @@
 #include <STEPControl_Writer.hxx>
 #include <algorithm>
 #include <filesystem>
-#include <map>
 
 #include "core/base/error.hpp"
+#include "occ_bridge/internal/kernel_units.hpp"
 #include "occ_bridge/internal/occ_globals.hpp"
 #include "occ_bridge/internal/shape_rep.hpp"
 
 namespace flowcage {
 namespace {
-
-// The names that the kernel's writers know the units by.
-const std::map<std::string, std::string> kernel_unit{{"m", "M"}, {"mm", "MM"}, {"in", "INCH"}, {"ft", "FT"}};
 
 void write_step(const TopoDS_Shape& shape, const std::string& file, const std::string& unit) {
   const InterfaceSettings settings({{"xstep.cascade.unit", "M"}, {"write.step.unit", unit}});
@@ -42,18 +39,16 @@ void write_iges(const TopoDS_Shape& shape, const std::string& file, const std::s
 }  // namespace
 
 void write_cad(const Shape& shape, const std::string& file, const std::string& unit) {
-  const auto known = kernel_unit.find(unit);
-  if (known == kernel_unit.end())
-    throw Error(ErrorKind::usage, "unknown unit " + unit, "use m, mm, in or ft");
+  const std::string known = kernel_unit(unit);
   std::string extension = std::filesystem::path(file).extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   const std::lock_guard lock(occ_globals_mutex());
   silence_occ();
   if (extension == ".step" || extension == ".stp") {
-    write_step(shape.rep().shape, file, known->second);
+    write_step(shape.rep().shape, file, known);
   } else if (extension == ".iges" || extension == ".igs") {
-    write_iges(shape.rep().shape, file, known->second);
+    write_iges(shape.rep().shape, file, known);
   } else if (extension == ".brep") {
     if (!BRepTools::Write(shape.rep().shape, file.c_str())) {
       throw Error(ErrorKind::output, file + ": cannot write BREP",

@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <memory>
+#include <optional>
 
 #include "cli/cad_json.hpp"
 #include "cli/commands/commands.hpp"
@@ -13,6 +15,7 @@
 #include "core/cage/read_cage.hpp"
 #include "core/cage/write_cage.hpp"
 #include "core/export/write_surface.hpp"
+#include "occ_bridge/write_step.hpp"
 
 namespace flowcage {
 namespace {
@@ -22,12 +25,9 @@ constexpr int most_levels = 5;
 std::string format_of(const std::string& name) {
   const std::string extension = lower_extension(name);
   if (extension == ".obj" || extension == ".vtp" || extension == ".stl") return extension;
-  if (extension == ".step" || extension == ".stp") {
-    throw Error(ErrorKind::usage, fmt::format("-o: {}: B-spline patches are not in this version", name),
-                "give a name that ends in .obj, .vtp or .stl");
-  }
+  if (extension == ".step" || extension == ".stp") return ".step";
   throw Error(ErrorKind::usage, fmt::format("-o: {}: unknown surface format", name),
-              "give a name that ends in .obj, .vtp or .stl");
+              "give a name that ends in .obj, .vtp, .stl or .step");
 }
 
 void write_surface(const std::string& format, const Cage& mesh, const std::vector<double>& deviation,
@@ -36,6 +36,20 @@ void write_surface(const std::string& format, const Cage& mesh, const std::vecto
   if (format == ".stl") return write_stl(out, mesh);
   const std::vector<float> values(deviation.begin(), deviation.end());
   for (const std::string& note : write_vtp(out, mesh, {{"deviation", values}})) progress.warn(note);
+}
+
+/// The fitted surface as B-spline patches, with a warning where they miss what a CAD system expects.
+PatchSurface fitted_patches(const SurfaceFit& fit, Progress& progress) {
+  const FittedLevel& last = fit.levels.back();
+  PatchSurface patches = make_bicubic_patches(last.topology, last.control_points, {}, progress);
+  constexpr double smooth_degrees = 0.1;
+  if (patches.max_angle_degrees > smooth_degrees) {
+    progress.warn(
+        fmt::format("B-spline patches meet at an angle of {:.3g} degrees near {}, where the cage has "
+                    "no crease: a vertex of the cage with many or sharp edges is there",
+                    patches.max_angle_degrees, place(patches.worst_angle_place)));
+  }
+  return patches;
 }
 
 }  // namespace
@@ -48,6 +62,10 @@ int run_surface(const Options& options, Progress& progress) {
   const Clock::time_point start = Clock::now();
   std::vector<std::string> formats;
   for (const std::string& name : options.outputs) formats.push_back(format_of(name));
+  const bool as_step = std::find(formats.begin(), formats.end(), ".step") != formats.end();
+  if (as_step && options.sample > 0) {
+    progress.warn("--sample does not apply to STEP: B-spline patches are the limit surface itself");
+  }
   const FitInputs inputs = read_fit_inputs(options, progress);
   // Opened before the long work: a place that cannot be written shows now.
   std::vector<std::unique_ptr<AtomicFile>> outputs;
@@ -65,13 +83,20 @@ int run_surface(const Options& options, Progress& progress) {
 
   const Clock::time_point write_start = Clock::now();
   const bool write = options.force || all_hold(result.gates);
+  std::optional<PatchSurface> patches;
+  if (write && as_step) patches = fitted_patches(result.fit, progress);
   if (write) {
     const double scale = 1 / metres_per_unit(options.unit);
     const Cage mesh = scale_cage(std::move(result.mesh), scale);
     for (double& d : result.deviation) d *= scale;
     for (std::size_t i = 0; i < outputs.size(); ++i) {
       progress.step("write", static_cast<double>(i) / static_cast<double>(outputs.size()));
-      write_surface(formats[i], mesh, result.deviation, outputs[i]->stream(), progress);
+      if (formats[i] == ".step") {
+        write_step(*patches, mesh.patch_names,
+                   {outputs[i]->path().string(), options.outputs[i], options.unit});
+      } else {
+        write_surface(formats[i], mesh, result.deviation, outputs[i]->stream(), progress);
+      }
     }
   }
   if (json_file) {
@@ -79,6 +104,7 @@ int run_surface(const Options& options, Progress& progress) {
     json["cad"] = cad_json(inputs.cad.summary());
     json["cage"] = cage_json(inputs, options);
     json["surface"] = surface_json(result.fit);
+    if (patches) json["surface"]["step"] = step_json(*patches, inputs.cad.diagonal());
     json["gates"] = gates_json(result.gates);
     json["seconds"] = {{"read", inputs.read_seconds},
                        {"cage", 0.0},
@@ -94,7 +120,10 @@ int run_surface(const Options& options, Progress& progress) {
     for (const auto& output : outputs) output->commit();
   }
   if (json_file) json_file->commit();
-  if (!options.quiet) print_summary(surface_summary(result.fit, inputs.cad.diagonal()));
+  if (!options.quiet) {
+    print_summary(surface_summary(result.fit, inputs.cad.diagonal()));
+    if (patches) print_summary(patches_summary(*patches, inputs.cad.diagonal()));
+  }
   require_gates(result.gates);
   return 0;
 }

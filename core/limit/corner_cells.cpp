@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <numbers>
@@ -13,7 +14,7 @@
 namespace flowcage {
 namespace {
 
-using Net = std::array<Vec3, 16>;
+using Net = std::vector<Vec3>;  // 16 points, as CornerCell::bezier
 using Cubic = std::array<double, 4>;
 
 Cubic bernstein(double t) {
@@ -123,7 +124,7 @@ class VertexCells {
 
   // The bicubic tile of the limit surface at (a,b), of the cell's size.
   Net tile(const Entry& entry, const Vec2& from, double size) const {
-    Net net;
+    Net net(16);
     for (int i = 0; i < 4; ++i) {
       std::array<Vec3, 4> p;
       for (int j = 0; j < 4; ++j) {
@@ -140,7 +141,7 @@ class VertexCells {
   }
 
   Net net_of(const Entry& entry, double size) const {
-    Net net;
+    Net net(16);
     const Net right = tile(entry, {size, 0}, size), top = tile(entry, {0, size}, size);
     for (int k = 0; k < 4; ++k) {
       net[12 + k] = right[k];

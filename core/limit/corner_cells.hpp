@@ -1,5 +1,4 @@
 #pragma once
-#include <array>
 #include <span>
 #include <vector>
 
@@ -25,8 +24,8 @@ LimitPoint evaluate_at_corner(const LimitEvaluator& evaluator, std::span<const V
 ///   planes
 ///     along the curves that it shares.
 struct CornerCell {
-  int depth = 0;                  ///< size = 2^-depth; 0: the corner is regular, there is no cell
-  std::array<Vec3, 16> bezier{};  ///< [4 i + j], i along a, j along b
+  int depth = 0;             ///< size = 2^-depth; 0: the corner is regular, there is no cell
+  std::vector<Vec3> bezier;  ///< 16 points, [4 i + j], i along a, j along b
 
   double size() const;
   Vec3 position(const Vec2& ab) const;
