@@ -10,6 +10,7 @@
 #include <Geom_BSplineSurface.hxx>
 #include <STEPConstruct.hxx>
 #include <STEPControl_Writer.hxx>
+#include <StepBasic_Product.hxx>
 #include <StepData_StepModel.hxx>
 #include <StepRepr_RepresentationItem.hxx>
 #include <TColStd_Array1OfInteger.hxx>
@@ -34,12 +35,13 @@
 #include "core/base/error.hpp"
 #include "occ_bridge/internal/kernel_scope.hpp"
 #include "occ_bridge/internal/kernel_units.hpp"
-#include "occ_bridge/internal/shape_rep.hpp"
 
 namespace flowcage {
 namespace {
 
-constexpr double tolerance = 1e-7;  // the kernel's smallest confusion; shared curves agree far better
+// The shape is built in millimetres, as the kernel's smallest tolerance (and what reads the file) expects;
+// the writer converts. Shared curves agree far better.
+constexpr double millimetres = 1000, tolerance = 1e-7;
 
 struct KnotVector {
   TColStd_Array1OfReal values;
@@ -63,7 +65,7 @@ struct KnotVector {
 };
 
 gp_Pnt point(const Vec3& p) {
-  return {p.x(), p.y(), p.z()};
+  return {millimetres * p.x(), millimetres * p.y(), millimetres * p.z()};
 }
 
 Handle(Geom_BSplineSurface) kernel_surface(const BSplineSurface& s) {
@@ -236,16 +238,10 @@ Handle(TCollection_HAsciiString) text(const std::string& value) {
 
 }  // namespace
 
-Shape shape_of_patches(const PatchSurface& surface) {
-  std::vector<TopoDS_Face> faces;
-  return wrap(assemble(surface, faces));
-}
-
 void write_step(const PatchSurface& surface, std::span<const std::string> patch_names, const StepFile& to) {
   const std::string unit = kernel_unit(to.unit);
   const std::string title = std::filesystem::path(to.shown_as).filename().string();
-  const occ::KernelScope scope(
-      {{"xstep.cascade.unit", "M"}, {"write.step.unit", unit}, {"write.step.product.name", title}});
+  const occ::KernelScope scope({{"xstep.cascade.unit", "MM"}, {"write.step.unit", unit}});
   std::vector<TopoDS_Face> faces;
   const TopoDS_Shape shape = assemble(surface, faces);
   STEPControl_Writer writer;
@@ -257,9 +253,18 @@ void write_step(const PatchSurface& surface, std::span<const std::string> patch_
       const auto item = STEPConstruct::FindEntity(process, faces[p]);
       if (!item.IsNull() && !name.empty()) item->SetName(text(name));
     }
+    // The kernel counts its products through a process's life.
+    for (int k = 1; k <= writer.Model()->NbEntities(); ++k) {
+      const auto product = Handle(StepBasic_Product)::DownCast(writer.Model()->Value(k));
+      if (product.IsNull()) continue;
+      product->SetId(text(title));
+      product->SetName(text(title));
+    }
     APIHeaderSection_MakeHeader header(writer.Model());
     header.SetName(text(title));
     header.SetTimeStamp(text("1970-01-01T00:00:00"));  // the same bytes for the same input
+    header.SetAuthorValue(1, text(""));
+    header.SetOrganizationValue(1, text(""));
     header.SetOriginatingSystem(text("flowcage"));
     written = writer.Write(to.file.c_str()) == IFSelect_RetDone;
   }

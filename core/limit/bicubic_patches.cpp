@@ -81,6 +81,10 @@ class BlockFunction {
     }
     return std::nullopt;
   }
+  bool in_pointed_cell(const Vec2& uv) const {
+    const auto at = find_cell(uv);
+    return at && cells_[at->corner].pointed;
+  }
   Vec3 position(const Vec2& uv) const {
     if (const auto at = find_cell(uv)) return cells_[at->corner].position(at->ab);
     return limit(uv);
@@ -105,7 +109,12 @@ class BlockFunction {
       for (int k = 1; k <= cells_[q].depth; ++k) {
         const double ring = at_start ? std::ldexp(1.0, -k) : end - std::ldexp(1.0, -k);
         inner.push_back(ring);
-        if (k == cells_[q].depth) doubled.push_back(ring);
+      }
+      // The cell's own knots are double.
+      for (int k = 1; k <= CornerCell::segments && cells_[q].depth > 0; ++k) {
+        const double x = cells_[q].size() * k / CornerCell::segments;
+        doubled.push_back(at_start ? x : end - x);
+        inner.push_back(doubled.back());
       }
     }
     const auto make_set = [](std::vector<double>& values) {
@@ -275,19 +284,17 @@ double largest_deviation(const BlockFunction& function, const BSplinePatch& patc
       [](double a, double b) { return std::max(a, b); });
 }
 
-// A side's parameter at distance t from the edge's start.
-double side_parameter(const PatchSide& use, bool forward, double t) {
-  return (use.side < 2) == forward ? use.from + t : use.to - t;
-}
-PatchPoint on_side(const BSplinePatch& patch, const PatchSide& use, bool forward, double t) {
-  const double s = side_parameter(use, forward, t);
-  const Vec2 end = patch.domain().max();
-  return patch.first(
-      std::array<Vec2, 4>{Vec2(s, 0), Vec2(end.x(), s), Vec2(s, end.y()), Vec2(0, s)}[use.side]);
+// The place on a patch's side at distance t from the edge's start.
+Vec2 on_side(const BSplineSurface& s, const PatchSide& use, bool forward, double t) {
+  const double x = (use.side < 2) == forward ? use.from + t : use.to - t;
+  const std::array<Vec2, 4> places{Vec2(x, 0), Vec2(s.knots_u.back(), x), Vec2(x, s.knots_v.back()),
+                                   Vec2(0, x)};
+  return places[use.side];
 }
 
 // The largest angle along an edge, at knots of both sides and between.
-void measure_angle(const PatchEdge& edge, const std::vector<BSplinePatch>& patches, PatchSurface& surface) {
+void measure_angle(const PatchEdge& edge, const std::vector<BSplinePatch>& patches,
+                   const std::vector<BlockFunction>& functions, PatchSurface& surface) {
   const double length = edge.uses[0].to - edge.uses[0].from;
   std::vector<double> breaks{0, length};
   for (int k = 0; k < 2; ++k) {
@@ -300,17 +307,23 @@ void measure_angle(const PatchEdge& edge, const std::vector<BSplinePatch>& patch
   }
   std::sort(breaks.begin(), breaks.end());
   breaks.erase(std::unique(breaks.begin(), breaks.end()), breaks.end());
+  const auto normal = [&](int k, double t, Vec3& position) {
+    const PatchSide& use = edge.uses[k];
+    const Vec2 uv = on_side(surface.patches[use.patch].surface, use, k == 0, t);
+    const PatchPoint p = patches[use.patch].first(uv);
+    position = p.position;
+    return functions[use.patch].in_pointed_cell(uv) ? Vec3(Vec3::Zero()) : Vec3(p.du.cross(p.dv));
+  };
   constexpr int steps = 6;
   for (std::size_t k = 0; k + 1 < breaks.size(); ++k) {
     for (int step = 0; step <= steps; ++step) {
       const double t = breaks[k] + (breaks[k + 1] - breaks[k]) * step / steps;
-      const PatchPoint a = on_side(patches[edge.uses[0].patch], edge.uses[0], true, t);
-      const PatchPoint b = on_side(patches[edge.uses[1].patch], edge.uses[1], false, t);
-      const Vec3 m = a.du.cross(a.dv), n = b.du.cross(b.dv);
+      Vec3 place;
+      const Vec3 m = normal(0, t, place), n = normal(1, t, place);
       const double angle = std::atan2(m.cross(n).norm(), m.dot(n)) * 180 / std::numbers::pi;
       if (angle > surface.max_angle_degrees) {
         surface.max_angle_degrees = angle;
-        surface.worst_angle_place = a.position;
+        surface.worst_angle_place = place;
       }
     }
   }
@@ -351,7 +364,7 @@ PatchSurface make_bicubic_patches(SurfaceLevel level, std::vector<Vec3> points, 
         std::array<Vec2, 4>{Vec2(0, 0), Vec2(m, 0), Vec2(m, n), Vec2(0, n)}[corner]);
   });
   for (const PatchEdge& edge : surface.edges) {
-    if (edge.use_count == 2 && !edge.crease) measure_angle(edge, patches, surface);
+    if (edge.use_count == 2 && !edge.crease) measure_angle(edge, patches, functions, surface);
   }
   return surface;
 }

@@ -45,8 +45,10 @@ struct PatchSurface {
   std::vector<Vec3> nodes;  ///< where patches end; one may lie within a side of a third patch
   std::vector<PatchEdge> edges;
   std::vector<BicubicPatch> patches;
-  double max_deviation = 0;      ///< largest distance from the limit surface at samples, metres
-  double max_angle_degrees = 0;  ///< largest angle of two patches' normals along an edge that is no crease
+  double max_deviation = 0;  ///< largest distance from the limit surface at samples, metres
+  /// Largest angle of two patches' normals along an edge that is no crease, but for corners without a tangent
+  /// plane, whose cells are left out.
+  double max_angle_degrees = 0;
   Vec3 worst_angle_place = Vec3::Zero();
 };
 

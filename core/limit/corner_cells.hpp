@@ -15,17 +15,24 @@ struct FaceCorner {
 LimitPoint evaluate_at_corner(const LimitEvaluator& evaluator, std::span<const Vec3> points,
                               const FaceCorner& at, const Vec2& ab);
 
-/// A bicubic Bezier patch that stands for the limit surface on [0, size]^2 of a face seen from an irregular
-/// corner, where no bicubic can be exact. It
+/// A small bicubic spline that stands for the limit surface on [0, size]^2 of a face seen from an irregular
+/// corner, where no bicubic can be exact: segments x segments polynomials, C1. It
 ///   - keeps position and first derivatives of the limit surface where the cell ends inside the face;
-///   - begins at the vertex's limit point and, where one exists, in its tangent plane;
+///   - begins at the vertex's limit point and, where one exists, in its tangent plane. None exists at a
+///   corner
+///     (sharp vertex, or three and more creases) with several faces between two creases: the surface comes to
+///     it like a cone or a cusp, and cells cannot agree at the tip itself;
 ///   - shares its boundary curves with the cells beside it; along creases they are exact;
 ///   - has its last free point by least squares: positions in the cell, and the limit surface's tangent
 ///   planes
 ///     along the curves that it shares.
 struct CornerCell {
-  int depth = 0;             ///< size = 2^-depth; 0: the corner is regular, there is no cell
-  std::vector<Vec3> bezier;  ///< 16 points, [4 i + j], i along a, j along b
+  bool pointed = false;   ///< at a corner without a tangent plane
+  int depth = 0;          ///< size = 2^-depth; 0: the corner is regular, there is no cell
+  std::vector<Vec3> net;  ///< count x count control points, [count i + j], i along a, j along b
+
+  /// Along each direction: `segments` equal parts, every inner knot double.
+  static constexpr int segments = 2, count = 2 * segments + 2;
 
   double size() const;
   Vec3 position(const Vec2& ab) const;
@@ -38,10 +45,10 @@ struct CornerCellSettings {
 };
 
 /// Cells by corner of each face (positions of face_vertices.values). All cells of a vertex have one size: the
-/// largest that holds the settings (a quarter face at most), or the best one tried. The surface's bend over
-/// the cell falls as (mu / lambda)^depth, lambda and mu being the vertex's second and third eigenvalue, and
-/// with it the angle. Preconditions: quads only, no semi-sharp edges or vertices, points.size() ==
-/// level.vertex_count(), `evaluator` made of the level.
+/// largest that holds the settings (a quarter face at most), or the best one tried; max_depth at pointed
+/// ones. The surface's bend over the cell falls as (mu / lambda)^depth, lambda and mu being the vertex's
+/// second and third eigenvalue, and with it the angle. Preconditions: quads only, no semi-sharp edges or
+/// vertices, points.size() == level.vertex_count(), `evaluator` made of the level.
 std::vector<CornerCell> fit_corner_cells(const SurfaceLevel& level, const LimitEvaluator& evaluator,
                                          std::span<const Vec3> points, const CornerCellSettings& settings);
 

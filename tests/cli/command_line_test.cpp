@@ -293,7 +293,7 @@ TEST_CASE("surface and mesh: wrong usage and unusable input, before any long wor
     check_error(run(command, {"--cage", "cube.obj", "-o", out}), 3, "text.step", "");
     check_error(run(command, {"--cage", "cube.obj", "-o", "x.txt"}), 2, "x.txt: unknown", "");
   }
-  check_error(run("surface", {"--cage", "cube.obj", "-o", "x.step"}), 2, "not in this version", "");
+  check_error(run("surface", {"--cage", "cube.obj", "-o", "x.step"}), 3, "text.step", "");
   for (const char* later : {"x.cgns", "x.su2", "x.msh", "x.vtm", "x.xyz"}) {
     check_error(run("mesh", {"--cage", "cube.obj", "-o", later}), 2, "not in this version", "X.vtu");
   }

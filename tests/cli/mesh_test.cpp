@@ -65,6 +65,29 @@ TEST_CASE("surface: vertices on the sphere, in the output's unit") {
   }
 }
 
+TEST_CASE("surface: B-spline patches as STEP, read again as CAD") {
+  const Sphere folder;
+  const ProgramRun run = folder.run("surface", {"--levels", "2", "--unit", "in", "--sample", "1", "-o",
+                                                "fit.STP", "-o", "fit.obj", "--json", "fit.json"});
+  INFO(run.err);
+  REQUIRE(run.exit_code == 0);
+  CHECK_THAT(run.err, contains_text("--sample does not apply to STEP"));
+  CHECK_THAT(run.err, contains_text("6 B-spline patches"));
+  CHECK_THAT(folder.text_of("fit.json"), contains_text("\"max_angle\""));
+  CHECK_THAT(folder.text_of("fit.STP"), contains_text("FILE_NAME('fit.STP'"));
+  const ProgramRun inspect = run_flowcage({"inspect", "fit.STP"}, {.folder = folder.path()});
+  INFO(inspect.out);
+  CHECK(inspect.exit_code == 0);
+  CHECK_THAT(inspect.out, contains_text("1 solid(s), 1 shell(s), 0 of them open"));
+  CHECK_THAT(inspect.out, contains_text("in (1 is 0.0254 m)"));
+  CHECK_THAT(inspect.out, contains_text("ball"));
+  CHECK_THAT(inspect.out, contains_text("sharp edges   0"));
+  // A place that cannot be written is refused before the work, and a missed gate leaves nothing.
+  CHECK(folder.run("surface", {"--levels", "1", "-o", "no/fit.step"}).exit_code == 5);
+  CHECK(folder.run("surface", {"--levels", "0", "-o", "bad.step"}).exit_code == 4);
+  CHECK(folder.entries() == Strings{"cage.obj", "fit.STP", "fit.json", "fit.obj", "sphere.step"});
+}
+
 TEST_CASE("mesh: the same bytes on any number of threads, a case that quality reads") {
   const Sphere folder;
   for (const char* threads : {"1", "3"}) {
