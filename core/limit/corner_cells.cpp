@@ -10,6 +10,7 @@
 
 #include "core/base/parallel.hpp"
 #include "core/limit/quad_blocks.hpp"
+#include "core/mesh/mirror.hpp"
 #include "core/subdivide/masks.hpp"
 
 namespace flowcage {
@@ -78,15 +79,16 @@ double angle_degrees(const Vec3& a, const Vec3& b) {
 // The cells of one vertex.
 class VertexCells {
  public:
-  VertexCells(const SurfaceLevel& level, const LimitEvaluator& evaluator, std::span<const Vec3> points,
-              const std::vector<char>& irregular, Index vertex)
+  VertexCells(const SurfaceLevel& level, const MirrorExtension& extension, const LimitEvaluator& evaluator,
+              std::span<const Vec3> points, const std::vector<char>& irregular, Index vertex)
       : evaluator_(evaluator), points_(points) {
-    const auto edges = level.vertex_edges[vertex];
-    const auto faces = level.vertex_faces[vertex];
+    const auto edges = extension.level().vertex_edges[vertex];
+    const auto faces = extension.level().vertex_faces[vertex];
     std::vector<double> sharpness;
-    for (const Index e : edges) sharpness.push_back(level.edge_sharpness[e]);
+    for (const Index e : edges) sharpness.push_back(extension.level().edge_sharpness[e]);
     rule_ = vertex_rule(level.vertex_sharpness[vertex], sharpness);
     for (std::size_t k = 0; k < faces.size(); ++k) {
+      if (!extension.is_own_face(faces[k])) continue;
       const auto row = level.face_vertices[faces[k]];
       const Index corner = static_cast<Index>(std::find(row.begin(), row.end(), vertex) - row.begin());
       const Offset slot = level.face_vertices.offsets[faces[k]] + corner;
@@ -97,7 +99,8 @@ class VertexCells {
       // The face that shares this one's b edge follows; the last of a closed ring meets the first.
       const std::size_t next = (k + 1) % faces.size();
       const bool closed_or_inside = k + 1 < faces.size() || faces.size() == edges.size();
-      if (!cells_.back().sharp_b && closed_or_inside) neighbours_.push_back({faces[k], faces[next]});
+      if (!cells_.back().sharp_b && closed_or_inside && extension.is_own_face(faces[next]))
+        neighbours_.push_back({faces[k], faces[next]});
     }
   }
 
@@ -389,6 +392,7 @@ std::vector<CornerCell> fit_corner_cells(const SurfaceLevel& level, const LimitE
                                          std::span<const Vec3> points, const CornerCellSettings& settings) {
   assert(static_cast<Index>(points.size()) == level.vertex_count());
   const std::vector<char> irregular = irregular_corners(level);
+  const MirrorExtension extension(level);
   std::vector<Index> vertices;
   for (std::size_t slot = 0; slot < irregular.size(); ++slot) {
     if (irregular[slot]) vertices.push_back(level.face_vertices.values[slot]);
@@ -399,7 +403,7 @@ std::vector<CornerCell> fit_corner_cells(const SurfaceLevel& level, const LimitE
   std::vector<CornerCell> cells(irregular.size());
   parallel_for(static_cast<Offset>(vertices.size()), 1, [&](Offset begin, Offset end) {
     for (Offset i = begin; i < end; ++i) {
-      VertexCells vertex(level, evaluator, points, irregular, vertices[i]);
+      VertexCells vertex(level, extension, evaluator, points, irregular, vertices[i]);
       int best_depth = settings.max_depth;
       bool best_planes = false;
       double best = std::numeric_limits<double>::max();

@@ -6,6 +6,7 @@
 
 #include "core/base/error.hpp"
 #include "core/limit/limit_masks.hpp"
+#include "core/mesh/mirror.hpp"
 
 // A region is the set of faces that borders enclose. Regular vertices only inside, so by the theorem of Gauss
 // and Bonnet the number of its corners (one face between two borders) is four times its Euler number once no
@@ -388,17 +389,19 @@ class Partition {
 }  // namespace
 
 std::vector<char> irregular_corners(const SurfaceLevel& level) {
+  const MirrorExtension extension(level);
+  const SurfaceLevel& around = extension.level();
   std::vector<char> irregular(level.face_vertices.values.size(), 0);
   std::vector<double> sharpness;
   std::vector<int> sharp;
   std::vector<SmoothSector> sectors;
   for (Index v = 0; v < level.vertex_count(); ++v) {
-    const auto edges = level.vertex_edges[v];
-    const auto faces = level.vertex_faces[v];
+    const auto edges = around.vertex_edges[v];
+    const auto faces = around.vertex_faces[v];
     sharpness.clear();
     sharp.clear();
     for (std::size_t i = 0; i < edges.size(); ++i) {
-      sharpness.push_back(level.edge_sharpness[edges[i]]);
+      sharpness.push_back(around.edge_sharpness[edges[i]]);
       if (sharpness.back() > 0) sharp.push_back(static_cast<int>(i));
     }
     const LimitRing ring{vertex_rule(level.vertex_sharpness[v], sharpness), static_cast<int>(edges.size()),
@@ -408,6 +411,7 @@ std::vector<char> irregular_corners(const SurfaceLevel& level) {
       if (is_regular(ring, sector)) continue;
       for (int k = 0; k < sector.face_count; ++k) {
         const Index face = faces[(sector.first_edge + k) % ring.edge_count];
+        if (!extension.is_own_face(face)) continue;
         const auto row = level.face_vertices[face];
         irregular[level.face_vertices.offsets[face] + (std::find(row.begin(), row.end(), v) - row.begin())] =
             1;

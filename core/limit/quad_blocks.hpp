@@ -20,7 +20,7 @@ struct QuadBlock {
 
 /// By corner of each face (positions of face_vertices.values): whether the limit surface over the face is no
 /// plain bicubic there, that is next to an extraordinary vertex, a dart, or an irregular sector of a crease
-/// or corner (limit_masks.hpp, is_regular).
+/// or corner (limit_masks.hpp, is_regular). Mirrored edges are inner ones.
 std::vector<char> irregular_corners(const SurfaceLevel& level);
 
 /// Cuts a level into few rectangular blocks. Their borders are creases, open boundaries, borders of patches,

@@ -9,6 +9,7 @@
 #include "core/limit/spline_interpolation.hpp"
 #include "core/subdivide/refine.hpp"
 #include "tests/catch.hpp"
+#include "tests/limit/half_cages.hpp"
 #include "tests/refit/hand_drawn_cages.hpp"
 #include "tests/subdivide/cage_zoo.hpp"
 
@@ -165,6 +166,58 @@ TEST_CASE("Patches near extraordinary vertices, darts and creases: close, smooth
     CHECK(surface.max_angle_degrees < 0.1);
     CHECK(worst_vertex_distance(fine, surface) < 1e-13 * fine.diagonal);
     check_edges(surface, fine.diagonal);
+  }
+}
+
+TEST_CASE("Patches of half models meet their mirror image smoothly, in the plane to the last bits") {
+  // A box whose open side lies in the plane y = 0; and half a double pyramid cut through its two apexes, so
+  // that irregular vertices lie in the plane.
+  Cage box = test::box_cage(Vec3(-1, 0, -1), Vec3(1, 0.6, 1), false);
+  Csr<Index> faces;
+  for (Index f = 0; f < box.faces.size(); ++f) {
+    if (std::any_of(box.faces[f].begin(), box.faces[f].end(), [](Index v) { return (v & 2) != 0; })) {
+      faces.push_row(box.faces[f]);
+    }
+  }
+  box.faces = faces;
+  box.face_patch.assign(static_cast<std::size_t>(faces.size()), 0);
+  Cage pyramid = zoo::make_cage(
+      {Vec3(0, 0, 1), Vec3(0, 0, -1), Vec3(1, 0, 0), Vec3(0.5, 1, 0), Vec3(-0.5, 1, 0), Vec3(-1, 0, 0)},
+      {{0, 2, 3}, {0, 3, 4}, {0, 4, 5}, {1, 3, 2}, {1, 4, 3}, {1, 5, 4}});
+  struct Case {
+    Cage cage;
+    std::size_t patches;
+  };
+  for (const Case& c : {Case{box, 5}, Case{pyramid, 10}}) {
+    const HalfCage half{"half", c.cage, {{1, 0.0}}};
+    Fine fine{half_level(half), c.cage.points, 2};
+    for (int depth = 0; depth < 2; ++depth) {
+      fine.points = apply_stencils(refinement_stencils(fine.level), fine.points);
+      fine.level = build_child_level(fine.level);
+    }
+    const PatchSurface surface = patches_of(fine);
+    CHECK(surface.patches.size() == c.patches);
+    CHECK(surface.max_angle_degrees < 0.1);
+    CHECK(surface.max_deviation < 2e-7 * fine.diagonal);
+    check_edges(surface, fine.diagonal);
+    int open = 0;
+    for (const PatchEdge& edge : surface.edges) {
+      if (edge.use_count == 2) continue;
+      ++open;
+      const PatchSide& use = edge.uses[0];
+      const BSplineSurface& s = surface.patches[use.patch].surface;
+      const Vec2 end(s.knots_u.back(), s.knots_v.back());
+      const BSplinePatch patch(std::make_shared<const BSplineSurface>(s),
+                               Eigen::AlignedBox2d(Vec2(0, 0), end));
+      for (int step = 0; step <= 400; ++step) {
+        const double t = use.from + (use.to - use.from) * step / 400;
+        const std::array<Vec2, 4> uv{Vec2(t, 0), Vec2(end.x(), t), Vec2(t, end.y()), Vec2(0, t)};
+        const PatchPoint p = patch.first(uv[use.side]);
+        CHECK(std::abs(p.position.y()) < 1e-15);
+        CHECK(std::abs(p.du.cross(p.dv).normalized().y()) < 0.05 / 57.3);
+      }
+    }
+    CHECK(open >= 4);
   }
 }
 

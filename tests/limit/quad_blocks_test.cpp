@@ -5,6 +5,7 @@
 
 #include "core/subdivide/refine.hpp"
 #include "tests/catch.hpp"
+#include "tests/limit/half_cages.hpp"
 #include "tests/refit/hand_drawn_cages.hpp"
 #include "tests/subdivide/cage_zoo.hpp"
 
@@ -108,5 +109,19 @@ TEST_CASE("Blocks: rectangles that cover every cage, irregular vertices only at 
     }
     REQUIRE(blocks);
     check_partition(levels.back(), *blocks);
+  }
+}
+
+TEST_CASE("Blocks of half models: mirrored edges are borders, but their vertices count as inner ones") {
+  for (const HalfCage& half : half_cages()) {
+    INFO(half.name);
+    SurfaceLevel level = build_child_level(half_level(half));
+    auto blocks = partition_into_blocks(level);
+    if (!blocks) {
+      level = build_child_level(level);
+      blocks = partition_into_blocks(level);
+    }
+    REQUIRE(blocks);
+    check_partition(level, *blocks);
   }
 }
