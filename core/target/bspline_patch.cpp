@@ -124,18 +124,18 @@ void BSplinePatch::positions(std::span<const double> u, std::span<const double> 
                              std::span<Vec3> points) const {
   const BSplineSurface& s = *surface_;
   const int p = s.degree_u, q = s.degree_v, count_v = s.count_v(), dim = s.weights.empty() ? 3 : 4;
-  std::vector<Row> rows_v(v.size());
+  std::vector<BasisRow> rows_v(v.size());
   std::vector<int> spans_v(v.size());
   for (std::size_t j = 0; j < v.size(); ++j) {
-    spans_v[j] = find_span(s.knots_v, v[j], first_span_[1], last_span_[1]);
-    basis(s.knots_v, q, spans_v[j], v[j], 0, &rows_v[j]);
+    spans_v[j] = find_knot_span(s.knots_v, v[j], first_span_[1], last_span_[1]);
+    bspline_basis(s.knots_v, q, spans_v[j], v[j], std::span(&rows_v[j], 1));
   }
   // Along u first: a row of poles for each u, shared by all v.
   std::vector<Eigen::Vector4d> along(static_cast<std::size_t>(count_v));
   for (std::size_t i = 0; i < u.size(); ++i) {
-    const int span_u = find_span(s.knots_u, u[i], first_span_[0], last_span_[0]);
-    Row row_u;
-    basis(s.knots_u, p, span_u, u[i], 0, &row_u);
+    const int span_u = find_knot_span(s.knots_u, u[i], first_span_[0], last_span_[0]);
+    BasisRow row_u;
+    bspline_basis(s.knots_u, p, span_u, u[i], std::span(&row_u, 1));
     const auto [low, high] = std::minmax_element(spans_v.begin(), spans_v.end());
     for (int k = *low - q; k <= *high; ++k) {
       Eigen::Vector4d sum(0, 0, 0, 0);
