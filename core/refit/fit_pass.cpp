@@ -161,6 +161,10 @@ StageMetrics tangent_metrics(const LevelSystem& level, const FitPass& pass, doub
   for (std::size_t i = 0; i < pass.targets.size(); ++i) {
     if (level.kind[i] == SampleKind::surface && pass.feet[i].status == FootStatus::interior) {
       metrics.interior.directions[i] = pass.feet[i].normal;
+    } else if (level.mirror_axis[i] >= 0 && level.kind[i] == SampleKind::chain) {
+      // The surface meets the plane at a right angle: its normal is the one of the curve.
+      metrics.interior.directions[i] =
+          pass.chain_tangents[i].cross(Vec3::Unit(level.mirror_axis[i])).normalized();
     }
   }
   return metrics;

@@ -15,6 +15,7 @@
 #include "core/refit/deviation.hpp"
 #include "core/refit/level_figures.hpp"
 #include "core/refit/level_fit.hpp"
+#include "core/refit/symmetric_level.hpp"
 #include "core/subdivide/refine.hpp"
 
 // Notation of Rom & Brakhage (2011), section 3: V are the control vertices of a level, C the limit stencils
@@ -109,6 +110,7 @@ SurfaceFit fit_surface(const Cage& cage, const TargetSurface& target, const FitS
   for (const std::string& warning : fit.warnings) progress.warn(warning);
 
   std::vector<Vec3> control_points = cage.points;
+  if (settings.mirror) topology = symmetric_level(std::move(topology), chains, match, planes, target);
   auto level = std::make_unique<LevelSystem>(
       build_level_system(std::move(topology), std::move(chains), cage_places(match), match));
   for (int depth = 0;; ++depth) {

@@ -17,6 +17,7 @@ struct FitSettings {
   int max_cgls_iterations = 60;
   bool tangent_distance = true;  ///< minimise distances to tangent planes (Gauss-Newton, Wang, Pottmann & Liu
                                  ///< 2006) in the last passes instead of distances to foot points
+  bool mirror = true;  ///< half models: the mirror image's points at symmetry planes (symmetric_level.hpp)
 };
 
 /// One pass of projection and refit: errors at the fitted samples, in diagonals.

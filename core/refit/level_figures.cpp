@@ -8,6 +8,7 @@ namespace flowcage {
 double crease_deviation(const LevelSystem& level, const FeatureMatch& match, const TargetSurface& target,
                         std::span<const Vec3> points) {
   double worst = 0;
+  const std::vector<Vec3> limits = apply_stencils(level.samples.position, points);
   for (std::size_t c = 0; c < level.chains.size(); ++c) {
     if (!match.chains[c].matched) continue;
     std::vector<Index> followed;  // a path may run over several chains of the target
@@ -15,11 +16,7 @@ double crease_deviation(const LevelSystem& level, const FeatureMatch& match, con
     std::sort(followed.begin(), followed.end());
     followed.erase(std::unique(followed.begin(), followed.end()), followed.end());
     for (const Index edge : level.chains[c].edges) {
-      const Index row = level.edge_sample(edge);
-      Vec3 at = Vec3::Zero();
-      for (Offset k = level.samples.position.offsets[row]; k < level.samples.position.offsets[row + 1]; ++k) {
-        at += level.samples.position.weights[k] * points[level.samples.position.indices[k]];
-      }
+      const Vec3& at = limits[level.edge_sample(edge)];
       double nearest = std::numeric_limits<double>::infinity();
       for (const Index chain : followed) {
         nearest = std::min(nearest, target.closest_on_chain(chain, at).distance);

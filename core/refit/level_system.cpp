@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/base/parallel.hpp"
+#include "core/refit/symmetric_level.hpp"
 
 namespace flowcage {
 namespace {
@@ -76,7 +78,7 @@ LevelSystem build_level_system(SurfaceLevel topology, std::vector<CreaseChain> c
   level.sample_on_chain.assign(count, no_index);
   level.fixed_position.assign(count, Vec3::Zero());
 
-  const std::vector<Index> sharp = sharp_edge_counts(level.topology);
+  const std::vector<Index> sharp = whole_sharp_counts(level.topology);
   const Index vertices = level.topology.vertex_count();
   level.vertex_stage.assign(static_cast<std::size_t>(vertices), SolveStage::interior);
   std::vector<SolveStage> row_stage(count, SolveStage::interior);
@@ -96,6 +98,17 @@ LevelSystem build_level_system(SurfaceLevel topology, std::vector<CreaseChain> c
     }
   }
   mark_chain_samples(match, level);
+  level.mirror_axis.assign(count, -1);
+  if (level.topology.mirrors.any()) {
+    for (Index e = 0; e < level.topology.edge_count(); ++e) {
+      const int axis = level.topology.edge_mirror_axis[e];
+      if (axis < 0 || level.topology.edge_sharpness[e] >= infinitely_sharp) continue;
+      level.mirror_axis[level.edge_sample(e)] = axis;
+      for (const Index v : level.topology.edge_vertices[e]) {
+        if (level.vertex_stage[v] == SolveStage::interior) level.mirror_axis[v] = axis;
+      }
+    }
+  }
   level.system = build_hierarchical_system(level.samples.position, level.vertex_stage, row_stage);
   return level;
 }
@@ -174,12 +187,17 @@ std::vector<Vec3> tangential_relaxation(const LevelSystem& level, const LimitSta
   for (Index v = 0; v < t.vertex_count(); ++v) {
     const Vec3& n = state.normals[v];
     if (n.isZero(0)) continue;
-    Vec3 mean = Vec3::Zero();
+    // Near neighbours count more: on a narrow rim that bends, far ones would pull the vertex off it.
+    Vec3 sum = Vec3::Zero();
+    double weights = 0;
     for (const Index e : t.vertex_edges[v]) {
       const Index other = t.edge_vertices[e][0] == v ? t.edge_vertices[e][1] : t.edge_vertices[e][0];
-      mean += state.points[other];
+      const Vec3 way = state.points[other] - state.points[v];
+      const double inverse = 1 / std::max(way.squaredNorm(), std::numeric_limits<double>::min());
+      sum += inverse * way;
+      weights += inverse;
     }
-    const Vec3 way = mean / static_cast<double>(t.vertex_edges[v].size()) - state.points[v];
+    const Vec3 way = sum / weights;
     moves[v] = weight * (way - n * n.dot(way));
   }
   for (Index e = 0; e < t.edge_count(); ++e) {

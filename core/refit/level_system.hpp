@@ -36,6 +36,8 @@ struct LevelSystem {
   std::vector<Index> sample_on_chain;    ///< #samples; which of the chain's samples it is, from 0
   ChainPlaces places;                    ///< of the chains' samples, at first
   std::vector<Vec3> fixed_position;      ///< #samples; place of `fixed` samples
+  std::vector<int> mirror_axis;          ///< #samples; of `chain` samples where the surface goes on smoothly
+                                         ///< into its mirror image: the plane's axis, else -1
   std::vector<SolveStage> vertex_stage;  ///< #V
   HierarchicalSystem system;
 
@@ -62,7 +64,7 @@ std::vector<Index> folded_faces(const LevelSystem& level, const LimitState& stat
                                 std::span<const Vec3> target_normals);
 
 /// Displacement of each sample that evens out the cells: `weight` times the way to the mean of a vertex's
-/// neighbours along the surface; none on creases, and none across them.
+/// neighbours (weighted with 1/distance^2) along the surface; none on creases, and none across them.
 std::vector<Vec3> tangential_relaxation(const LevelSystem& level, const LimitState& state, double weight);
 
 }  // namespace flowcage

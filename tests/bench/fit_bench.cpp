@@ -110,6 +110,7 @@ int main(int argc, char** argv) {
   app.add_option("--noise", job.noise, "moves every cage vertex by up to this, in diagonals; a row a body");
   app.add_option("--seeds", job.seeds, "cages with noise a body");
   app.add_option("--first-seed", job.first_seed, "the first of them");
+  app.add_flag("!--no-mirror", job.fit.mirror, "plain boundaries at symmetry planes");
   app.add_option("--threads", threads, "0: all");
   CLI11_PARSE(app, argc, argv);
   if (threads > 0) set_thread_count(threads);

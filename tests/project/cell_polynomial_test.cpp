@@ -48,7 +48,7 @@ TEST_CASE("a cell polynomial has the surface's degree, its points and its deriva
   const auto fitted = fit_cell_polynomial(sampler(patch, box), CellKind::surface, 1e-14);
   CHECK(fitted.degree_s == 3);
   CHECK(fitted.degree_t == 3);
-  for (const Vec2 st : {Vec2(-1, -1), Vec2(0.3, -0.7), Vec2(1, 1)}) {
+  for (const Vec2& st : {Vec2(-1, -1), Vec2(0.3, -0.7), Vec2(1, 1)}) {
     const PatchCurvature at = evaluate(view(fitted), st);
     const PatchCurvature exact =
         patch.second(box.center() + 0.5 * st.cwiseProduct(box.sizes()) * (1 - 1e-15));
@@ -66,7 +66,7 @@ TEST_CASE("a cell of a sphere is a polynomial to rounding; a kink is none") {
   const Eigen::AlignedBox2d box(Vec2(0.2, 0.3), Vec2(0.4, 0.45));
   const auto fitted = fit_cell_polynomial(sampler(sphere->patch(0), box), CellKind::surface, 1e-14);
   REQUIRE(fitted.degree_s >= 5);
-  for (const Vec2 st : {Vec2(-0.9, 0.1), Vec2(0.3, -0.7), Vec2(0.8, 0.95)}) {
+  for (const Vec2& st : {Vec2(-0.9, 0.1), Vec2(0.3, -0.7), Vec2(0.8, 0.95)}) {
     CHECK(std::abs(evaluate(view(fitted), st).position.norm() - 1) < 2e-14);
   }
   const GridSampler kink = [](std::span<const double> s, std::span<const double> t, std::span<Vec3> points) {

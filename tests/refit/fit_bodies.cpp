@@ -41,6 +41,16 @@ FitBody winged_fuselage_body(const std::string& name) {
   return {name, model_of(make_half(solid, 1)), winged_fuselage_cage(shape), {2e-3, 5e-4, 1e-4}};
 }
 
+/// Half bodies whose figures have to be those of the whole ones.
+FitBody half_sphere_body(const std::string& name) {
+  return {name, model_of(make_half(make_sphere(0.5), 0)), half_box_cage(0.35), {5e-5, 1e-5, 2e-6}};
+}
+
+FitBody half_torus_body(const std::string& name) {
+  return {
+      name, model_of(make_half(make_torus(1, 0.35), 1)), half_torus_cage(1, 0.4, 4, 4), {1e-4, 5e-6, 3e-7}};
+}
+
 struct Maker {
   std::string name;
   std::function<FitBody(const std::string&)> make;
@@ -75,6 +85,8 @@ const std::vector<Maker>& makers() {
                         {5e-3, 1e-3, 3e-4}};
        }},
       {"wing_fuselage", winged_fuselage_body},
+      {"half_sphere", half_sphere_body},
+      {"half_torus", half_torus_body},
   };
   return all;
 }

@@ -70,6 +70,33 @@ inline Cage torus_cage(double major, double minor, Index n, Index m) {
   return cage;
 }
 
+/// The half x >= 0 of the cube of half size `half`, open in the plane x = 0: 8 vertices, 5 quads.
+inline Cage half_box_cage(double half) {
+  Cage cage = box_cage(Vec3(0, -half, -half), Vec3::Constant(half), false);
+  Cage open = empty_cage();
+  open.points = cage.points;
+  for (Index f = 1; f < cage.faces.size(); ++f) {  // face 0 lies in the plane
+    open.faces.push_row(cage.faces[f]);
+    open.face_patch.push_back(0);
+  }
+  return open;
+}
+
+/// The half y >= 0 of torus_cage (n even).
+inline Cage half_torus_cage(double major, double minor, Index n, Index m) {
+  const Cage whole = torus_cage(major, minor, n, m);
+  Cage cage = empty_cage();
+  cage.points.assign(whole.points.begin(), whole.points.begin() + (n / 2 + 1) * m);
+  for (Index j = 0; j < m; ++j) {
+    for (const Index i : {Index{0}, n / 2}) cage.points[i * m + j].y() = 0;
+  }
+  for (Index f = 0; f < n / 2 * m; ++f) {
+    cage.faces.push_row(whole.faces[f]);
+    cage.face_patch.push_back(0);
+  }
+  return cage;
+}
+
 /// A cylinder about z from 0 to height: rims of 8 crease vertices, caps with an O-grid (a 2 x 2 core and a
 /// ring).
 inline Cage cylinder_cage(double radius, double height) {
