@@ -19,11 +19,12 @@ std::vector<Index> chain_samples(const LevelSystem& level, const CreaseChain& ch
   return samples;
 }
 
-/// Moves the places of a chain's samples along its path to the nearest of their limit points; corners at the
-/// ends stay. All stay where they are if neighbours would come closer than a quarter of their distance.
-std::vector<double> slid_places(std::span<const Index> samples, const CreaseChain& chain,
-                                std::span<const double> before, const FeaturePath& path,
-                                const TargetSurface& target, std::span<const Vec3> limits) {
+std::vector<double> slid_chain(const LevelSystem& level, std::size_t c, const FeaturePath& path,
+                               const TargetSurface& target, std::span<const double> before,
+                               std::span<const Vec3> limits) {
+  const CreaseChain& chain = level.chains[c];
+  const std::vector<Index> samples = chain_samples(level, chain);
+  const std::vector<double>& first = level.places[c];
   const std::size_t last = before.size() - 1;
   std::vector<double> after(before.begin(), before.end());
   for (std::size_t k = chain.closed ? 0 : 1; k < last; ++k) {
@@ -37,24 +38,15 @@ std::vector<double> slid_places(std::span<const Index> samples, const CreaseChai
   }
   if (chain.closed) after[last] = after[0] + path.length();
   for (std::size_t k = 0; k < last; ++k) {
-    if (!(after[k + 1] - after[k] > 0.25 * (before[k + 1] - before[k]))) {
-      return {before.begin(), before.end()};
-    }
+    const double least = 0.25 * std::max(before[k + 1] - before[k], first[k + 1] - first[k]);
+    if (!(after[k + 1] - after[k] > least)) return {before.begin(), before.end()};
   }
   return after;
 }
 
 void place_on_chains(const LevelSystem& level, const FeatureMatch& match, const TargetSurface& target,
                      bool slide, FitPass& pass) {
-  if (slide) {
-    parallel_for(static_cast<Offset>(level.chains.size()), 1, [&](Offset begin, Offset end) {
-      for (Offset c = begin; c < end; ++c) {
-        if (!match.chains[c].matched || match.chains[c].turns) continue;
-        pass.places[c] = slid_places(chain_samples(level, level.chains[c]), level.chains[c], pass.places[c],
-                                     match.chains[c].path, target, pass.limit.points);
-      }
-    });
-  }
+  if (slide) pass.places = slid_places(level, match, target, pass.places, pass.limit.points);
   const Index count = level.sample_count();
   pass.chain_tangents.assign(static_cast<std::size_t>(count), Vec3::Zero());
   parallel_for(count, 64, [&](Offset begin, Offset end) {
@@ -73,6 +65,19 @@ void place_on_chains(const LevelSystem& level, const FeatureMatch& match, const 
 }
 
 }  // namespace
+
+ChainPlaces slid_places(const LevelSystem& level, const FeatureMatch& match, const TargetSurface& target,
+                        const ChainPlaces& places, std::span<const Vec3> limits) {
+  ChainPlaces slid = places;
+  parallel_for(static_cast<Offset>(places.size()), 1, [&](Offset begin, Offset end) {
+    for (Offset c = begin; c < end; ++c) {
+      if (!match.chains[c].matched || match.chains[c].turns) continue;
+      slid[c] =
+          slid_chain(level, static_cast<std::size_t>(c), match.chains[c].path, target, places[c], limits);
+    }
+  });
+  return slid;
+}
 
 std::vector<SurfacePoint> project_samples(const LevelSystem& level, const TargetSurface& target,
                                           std::span<const Vec3> queries, const LimitState& limit,

@@ -27,6 +27,12 @@ struct PassMode {
   bool slide = false;     ///< chain samples move along their paths to the nearest place
 };
 
+/// The places of the chains' samples moved along their paths to the nearest of the limit points (#samples);
+/// corners at the ends stay. A chain stays as it is if neighbours would come closer than a quarter of their
+/// distance, or of that at the level's start, and where its path turns corners.
+ChainPlaces slid_places(const LevelSystem& level, const FeatureMatch& match, const TargetSurface& target,
+                        const ChainPlaces& places, std::span<const Vec3> limits);
+
 /// Projects the limit points of `control_points` to the target. `previous` (hints, places on chains) may be
 /// null: chain samples then start at the level's.
 FitPass evaluate_pass(const LevelSystem& level, const FeatureMatch& match, const TargetSurface& target,

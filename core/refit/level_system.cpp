@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/base/parallel.hpp"
 #include "core/refit/symmetric_level.hpp"
@@ -187,17 +186,12 @@ std::vector<Vec3> tangential_relaxation(const LevelSystem& level, const LimitSta
   for (Index v = 0; v < t.vertex_count(); ++v) {
     const Vec3& n = state.normals[v];
     if (n.isZero(0)) continue;
-    // Near neighbours count more: on a narrow rim that bends, far ones would pull the vertex off it.
-    Vec3 sum = Vec3::Zero();
-    double weights = 0;
+    Vec3 mean = Vec3::Zero();
     for (const Index e : t.vertex_edges[v]) {
       const Index other = t.edge_vertices[e][0] == v ? t.edge_vertices[e][1] : t.edge_vertices[e][0];
-      const Vec3 way = state.points[other] - state.points[v];
-      const double inverse = 1 / std::max(way.squaredNorm(), std::numeric_limits<double>::min());
-      sum += inverse * way;
-      weights += inverse;
+      mean += state.points[other];
     }
-    const Vec3 way = sum / weights;
+    const Vec3 way = mean / static_cast<double>(t.vertex_edges[v].size()) - state.points[v];
     moves[v] = weight * (way - n * n.dot(way));
   }
   for (Index e = 0; e < t.edge_count(); ++e) {

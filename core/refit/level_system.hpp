@@ -64,7 +64,7 @@ std::vector<Index> folded_faces(const LevelSystem& level, const LimitState& stat
                                 std::span<const Vec3> target_normals);
 
 /// Displacement of each sample that evens out the cells: `weight` times the way to the mean of a vertex's
-/// neighbours (weighted with 1/distance^2) along the surface; none on creases, and none across them.
+/// neighbours along the surface; none on creases, and none across them.
 std::vector<Vec3> tangential_relaxation(const LevelSystem& level, const LimitState& state, double weight);
 
 }  // namespace flowcage
