@@ -18,19 +18,6 @@ bool on_patch_border(const BoundedPatch& patch, const Vec2& uv) {
   return (uv.array() <= domain.min().array()).any() || (uv.array() >= domain.max().array()).any();
 }
 
-/// (u, v) in the box of local coordinates in [-1, 1]^2; exact at its sides.
-Vec2 uv_at(const Eigen::AlignedBox2d& box, const Vec2& st) {
-  const Vec2 high = 0.5 * (Vec2::Ones() + st);
-  return ((Vec2::Ones() - high).cwiseProduct(box.min()) + high.cwiseProduct(box.max()))
-      .cwiseMax(box.min())
-      .cwiseMin(box.max());
-}
-
-PatchPoint by_uv(const PatchPoint& by_st, const Eigen::AlignedBox2d& box) {
-  const Vec2 half = 0.5 * box.sizes();
-  return {by_st.position, by_st.du / half.x(), by_st.dv / half.y()};
-}
-
 }  // namespace
 
 SurfacePoint ClosestSearch::run(const Vec3& query, double reach, const Filter& filter) {
@@ -86,7 +73,7 @@ void ClosestSearch::visit_cell(Index number) {
     work_.evaluations += foot.evaluations;
     switch (foot.end) {
       case CellFootEnd::found:
-        offer_foot(number, uv_at(cell.box, foot.st), by_uv(foot.point, cell.box), foot.distance);
+        offer_foot(number, uv_at(cell, foot.st), by_uv(cell, foot.point), foot.distance);
         return;
       case CellFootEnd::given_up:
         return;
@@ -142,8 +129,8 @@ bool ClosestSearch::offer_general_foot(Index number, const Vec2& start,
                          cell.box.min() + start.cwiseProduct(cell.box.sizes()), windowed);
   } else {
     foot = closest_point(PolynomialPatch(polynomial), query_, 2 * start - Vec2::Ones(), settings);
-    foot.uv = uv_at(cell.box, foot.uv);
-    foot.point = by_uv(foot.point, cell.box);
+    foot.uv = uv_at(cell, foot.uv);
+    foot.point = by_uv(cell, foot.point);
   }
   work_.evaluations += foot.evaluations;
   if (foot.convergence == FootConvergence::no_number || foot.convergence == FootConvergence::given_up) {

@@ -31,10 +31,6 @@ class SeenAlong final : public ParametricPatch {
   Vec3 d_;
 };
 
-Vec2 uv_at(const PatchCell& cell, const Vec2& fraction) {
-  return cell.box.min() + fraction.cwiseProduct(cell.box.sizes());
-}
-
 }  // namespace
 
 SurfacePoint LineSearch::run(const Vec3& origin, const Vec3& direction, double min_cosine, double reach) {
@@ -73,30 +69,42 @@ void LineSearch::visit_cell(Index number) {
   const Vec3 offset = center - origin_ - middle * direction_;
   if (offset.norm() > radius) return;
   if (std::abs(middle) - radius > std::min(reach_, best_.key)) return;
-  try_start(number, face, uv_at(cell, cell_start(cell, origin_ + middle * direction_).fraction));
+  try_start(number, face, cell_start(cell, origin_ + middle * direction_).fraction);
   if (grazing > 0.3) return;
   // A line that grazes the cell may meet it twice: from both ends as well.
   for (const double end : {-1.0, 1.0}) {
-    try_start(number, face,
-              uv_at(cell, cell_start(cell, origin_ + (middle + end * radius) * direction_).fraction));
+    try_start(number, face, cell_start(cell, origin_ + (middle + end * radius) * direction_).fraction);
   }
 }
 
 void LineSearch::try_start(Index number, Index face, const Vec2& start) {
   const PatchCell& cell = parts_.cells.cells[number];
   const BoundedPatch& patch = *parts_.patches[cell.patch];
+  const CellPolynomial polynomial = parts_.cell_polynomials[number];
+  const Vec3 origin = origin_ - origin_.dot(direction_) * direction_;
   ClosestPointSettings settings;
   settings.length = parts_.length;
-  const Vec2 margin = 1e-9 * cell.box.sizes();
-  const Eigen::AlignedBox2d domain = patch.domain();
-  settings.window = Eigen::AlignedBox2d((cell.box.min() - margin).cwiseMax(domain.min()),
-                                        (cell.box.max() + margin).cwiseMin(domain.max()));
-  const SeenAlong seen(patch, direction_);
-  const Vec3 origin = origin_ - origin_.dot(direction_) * direction_;
-  const PatchFoot foot = closest_point(seen, origin, start, settings);
+  // A little more than the cell, so that no line slips through between two.
+  constexpr double beyond = 1e-9;
+  PatchFoot foot;
+  PatchPoint at;
+  if (polynomial.empty()) {
+    const Vec2 margin = beyond * cell.box.sizes();
+    const Eigen::AlignedBox2d domain = patch.domain();
+    settings.window = Eigen::AlignedBox2d((cell.box.min() - margin).cwiseMax(domain.min()),
+                                          (cell.box.max() + margin).cwiseMin(domain.max()));
+    foot = closest_point(SeenAlong(patch, direction_), origin,
+                         cell.box.min() + start.cwiseProduct(cell.box.sizes()), settings);
+    at = patch.first(foot.uv);
+  } else {
+    settings.window = Eigen::AlignedBox2d(Vec2::Constant(-1 - 2 * beyond), Vec2::Constant(1 + 2 * beyond));
+    const PolynomialPatch local(polynomial);
+    foot = closest_point(SeenAlong(local, direction_), origin, 2 * start - Vec2::Ones(), settings);
+    at = by_uv(cell, local.first(foot.uv));
+    foot.uv = uv_at(cell, foot.uv);
+  }
   if (foot.convergence == FootConvergence::no_number) return;
   if (!(foot.distance <= 1e-10 * parts_.length)) return;
-  const PatchPoint at = patch.first(foot.uv);
   Candidate candidate;
   const double t = (at.position - origin_).dot(direction_);
   candidate.key = std::abs(t);

@@ -11,6 +11,7 @@ class LineSearch {
 
  private:
   void visit_cell(Index number);
+  /// Newton's method from a fraction of the cell's box.
   void try_start(Index number, Index face, const Vec2& start);
 
   const ProjectionParts& parts_;

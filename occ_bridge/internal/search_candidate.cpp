@@ -15,4 +15,16 @@ Vec3 unit_normal(const ProjectionParts& parts, Index face, const PatchPoint& at,
   return face_normal(parts, face, uv);
 }
 
+Vec2 uv_at(const PatchCell& cell, const Vec2& st) {
+  const Vec2 high = 0.5 * (Vec2::Ones() + st);
+  return ((Vec2::Ones() - high).cwiseProduct(cell.box.min()) + high.cwiseProduct(cell.box.max()))
+      .cwiseMax(cell.box.min())
+      .cwiseMin(cell.box.max());
+}
+
+PatchPoint by_uv(const PatchCell& cell, const PatchPoint& by_st) {
+  const Vec2 half = 0.5 * cell.box.sizes();
+  return {by_st.position, by_st.du / half.x(), by_st.dv / half.y()};
+}
+
 }  // namespace flowcage
