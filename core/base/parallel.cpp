@@ -9,7 +9,6 @@
 #include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 #endif
 
 namespace flowcage {
@@ -54,12 +53,8 @@ void parallel_for(Offset count, Offset grain, const std::function<void(Offset, O
     for (Offset part = 0; part < parts; ++part) run(part);
   } else {
 #ifdef FLOWCAGE_USE_TBB
-    tbb::task_arena arena(threads);
-    arena.execute([&] {
-      tbb::parallel_for(tbb::blocked_range<Offset>(0, parts, 1),
-                        [&](const tbb::blocked_range<Offset>& range) {
-                          for (Offset part = range.begin(); part < range.end(); ++part) run(part);
-                        });
+    tbb::parallel_for(tbb::blocked_range<Offset>(0, parts, 1), [&](const tbb::blocked_range<Offset>& range) {
+      for (Offset part = range.begin(); part < range.end(); ++part) run(part);
     });
 #else
     std::atomic<Offset> next{0};

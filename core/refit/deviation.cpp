@@ -39,23 +39,73 @@ std::vector<Index> worst_faces(const SurfaceLevel& level, std::span<const Surfac
   return order;
 }
 
-std::vector<Vec3> grid_points(const SurfaceLevel& level, std::span<const Vec3> points,
-                              std::span<const Index> faces) {
-  constexpr Index steps = 8;
-  constexpr Index per_face = (steps + 1) * (steps + 1);
-  const LimitEvaluator evaluator(level);
-  std::vector<Vec3> places(faces.size() * per_face);
-  parallel_for(static_cast<Offset>(faces.size()), 16, [&](Offset begin, Offset end) {
-    for (Offset f = begin; f < end; ++f) {
-      for (Index k = 0; k < per_face; ++k) {
-        const double u = static_cast<double>(k % (steps + 1)) / steps;
-        const double v = static_cast<double>(k / (steps + 1)) / steps;
-        places[f * per_face + k] = evaluator.evaluate(points, {faces[f], u, v, 0}).position;
+/// Searches the faces: first on grids of 9 x 9 places, then twice on grids of 9 x 9 places round the worst
+/// ones, each an eighth of a grid's cell apart.
+class FaceSearch {
+ public:
+  FaceSearch(const SurfaceLevel& level, std::span<const Vec3> points, const TargetSurface& target)
+      : evaluator_(level), points_(points), target_(target) {}
+
+  void run(std::span<const Index> faces, Deviation& result) const {
+    std::vector<LimitLocation> centres;
+    for (const Index f : faces) centres.push_back({f, 0.5, 0.5, 0});
+    double reach = 0.5;
+    for (int round = 0; round < 3; ++round) {
+      const std::vector<LimitLocation> locations = grids(centres, reach);
+      std::vector<Vec3> places(locations.size());
+      parallel_for(static_cast<Offset>(places.size()), 512, [&](Offset begin, Offset end) {
+        for (Offset i = begin; i < end; ++i) places[i] = evaluator_.evaluate(points_, locations[i]).position;
+      });
+      std::vector<SurfacePoint> feet(places.size());
+      target_.closest_points(places, {}, feet);
+      keep_worst(places, feet, result);
+      centres = worst_of_each(locations, feet);
+      reach /= steps / 2;
+    }
+  }
+
+ private:
+  static constexpr int steps = 8;
+  static constexpr std::size_t kept = 48;
+
+  static std::vector<LimitLocation> grids(std::span<const LimitLocation> centres, double reach) {
+    std::vector<LimitLocation> locations;
+    for (const LimitLocation& at : centres) {
+      for (int i = 0; i <= steps; ++i) {
+        for (int k = 0; k <= steps; ++k) {
+          locations.push_back({at.face, at.u + reach * (2.0 * i / steps - 1),
+                               at.v + reach * (2.0 * k / steps - 1), at.corner});
+        }
       }
     }
-  });
-  return places;
-}
+    return locations;  // the evaluator moves what lies outside of a face to its edge
+  }
+
+  /// The worst place of each grid, of the worst grids.
+  static std::vector<LimitLocation> worst_of_each(std::span<const LimitLocation> locations,
+                                                  std::span<const SurfacePoint> feet) {
+    constexpr std::size_t per_grid = (steps + 1) * (steps + 1);
+    std::vector<std::size_t> worst;
+    for (std::size_t first = 0; first < locations.size(); first += per_grid) {
+      std::size_t best = first;
+      for (std::size_t i = first; i < first + per_grid; ++i) {
+        if (feet[i].distance > feet[best].distance) best = i;
+      }
+      worst.push_back(best);
+    }
+    std::sort(worst.begin(), worst.end(), [&](std::size_t a, std::size_t b) {
+      return feet[a].distance != feet[b].distance ? feet[a].distance > feet[b].distance : a < b;
+    });
+    worst.resize(std::min(worst.size(), kept));
+    std::vector<LimitLocation> result;
+    for (const std::size_t i : worst) result.push_back(locations[i]);
+    return result;
+  }
+
+  LimitEvaluator evaluator_;
+  std::span<const Vec3> points_;
+  const TargetSurface& target_;
+};
 
 }  // namespace
 
@@ -72,10 +122,7 @@ Deviation measure_deviation(const SurfaceLevel& level, const StencilTable& sampl
   if (!(result.max <= settings.search_below)) return result;
 
   const std::vector<Index> faces = worst_faces(level, nearest, settings.searched_faces);
-  const std::vector<Vec3> places = grid_points(level, points, faces);
-  std::vector<SurfacePoint> feet(places.size());
-  settings.target.closest_points(places, {}, feet);
-  keep_worst(places, feet, result);
+  FaceSearch(level, points, settings.target).run(faces, result);
   return result;
 }
 

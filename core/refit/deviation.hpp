@@ -23,7 +23,8 @@ struct DeviationSettings {
 /// Distance from the limit surface of a level to the target. `samples`: stencils of its vertices, then edges'
 /// and faces' midpoints (limit_stencils.hpp); rms is over them. Between them the distance can be larger,
 /// above all where the target has an edge that the surface rounds off: the faces with the worst samples are
-/// evaluated on grids of 9 x 9 points. Parallel, deterministic. points: #V control points, quads only.
+/// evaluated on grids of 9 x 9 points, finer ones round the worst. Parallel, deterministic. points: #V
+/// control points, quads only.
 Deviation measure_deviation(const SurfaceLevel& level, const StencilTable& samples,
                             std::span<const Vec3> points, const DeviationSettings& settings);
 

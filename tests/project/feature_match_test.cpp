@@ -1,4 +1,5 @@
 #include "core/project/feature_match.hpp"
+#include "core/project/side_normals.hpp"
 
 #include <algorithm>
 
@@ -93,6 +94,20 @@ TEST_CASE("two corners closer than the noise are told apart by their chain", "[m
   const Matched m = matched(cage, *target);
   for (Index v = 0; v < 8; ++v) CHECK(m.match.end_corner[v] == v);
   for (const ChainMatch& chain : m.match.chains) CHECK(chain.matched);
+}
+
+TEST_CASE("the faces beside a place tell which side of a thin body it is on", "[match]") {
+  const auto target = box_surface(Box3(Vec3(0, 0, 0), Vec3(1, 1, 0.01)));
+  const Csr<Vec3> normals =
+      normals_at(*target, std::vector<Vec3>{Vec3(1, 1, 0.01), Vec3(0.5, 1, 0), Vec3(0.5, 0.5, 0.01)});
+  CHECK(normals.row_size(0) == 3);
+  CHECK(normals.row_size(1) == 2);
+  REQUIRE(normals.row_size(2) == 1);
+  CHECK((normals[2][0] - Vec3(0, 0, 1)).norm() < 1e-12);
+  const std::vector<SideNormal> upper{{Vec3(0, 0, 1), 1}, {Vec3(0, 1, 0), 1}};
+  CHECK(normal_mismatch(upper, normals[0]) == 0);
+  // The lower edge has no face that looks up: 1 - cosine is 1 or more for half of the weight, less 0.3.
+  CHECK(normal_mismatch(upper, normals[1]) == Approx(0.5 - 0.3).epsilon(1e-12));
 }
 
 TEST_CASE("rims are followed once round, evenly", "[match]") {

@@ -8,6 +8,7 @@
 #include "occ_bridge/cad_model.hpp"
 #include "occ_bridge/shapes.hpp"
 #include "tests/catch.hpp"
+#include "tests/refit/fit_bodies.hpp"
 #include "tests/refit/hand_drawn_cages.hpp"
 
 using namespace flowcage;
@@ -15,20 +16,11 @@ using namespace flowcage::test;
 
 namespace {
 
-CadModel wing_model(const WingCageShape& cage) {
-  HalfWing wing;
-  wing.airfoil = naca_symmetric(cage.thickness, cage.half_base);
-  wing.root_chord = cage.root_chord;
-  wing.tip_chord = cage.tip_chord;
-  wing.semi_span = cage.semi_span;
-  wing.leading_edge_sweep_degrees = cage.sweep_degrees;
+SurfaceFit fitted(const Cage& cage, const TargetSurface& target, int levels = 3) {
   Progress silent;
-  return cad_model_of(make_half_wing(wing), {}, silent);
-}
-
-SurfaceFit fitted(const Cage& cage, const TargetSurface& target) {
-  Progress silent;
-  SurfaceFit fit = fit_surface(cage, target, {}, silent);
+  FitSettings settings;
+  settings.levels = levels;
+  SurfaceFit fit = fit_surface(cage, target, settings, silent);
   for (const FittedLevel& level : fit.levels) {
     INFO("level " << level.report.level << ": max " << level.report.max_deviation << ", rms "
                   << level.report.rms_deviation << " at " << level.report.worst_place.transpose());
@@ -48,27 +40,57 @@ void check_root_plane(const SurfaceFit& fit) {
 
 }  // namespace
 
-TEST_CASE("swept NACA 0012 half wing, flat tip, sharp and blunt trailing edge", "[fit][cad]") {
-  for (const double half_base : {0.0, 0.0005, 0.0025}) {
-    WingCageShape wing;
-    wing.half_base = half_base;
-    const CadModel model = wing_model(wing);
-    const SurfaceFit fit = fitted(wing_cage(wing), model);
-    INFO("base " << 2 * half_base << " of the chord");
+TEST_CASE("the bodies of the fit's table reach their figures at levels 2 and 3", "[fit][cad]") {
+  for (const std::string& name : fit_body_names()) {
+    const FitBody body = make_fit_body(name);
+    const SurfaceFit fit = fitted(body.cage, body.cad);
+    INFO(name);
     CHECK(fit.unmatched_chains.empty());
-    CHECK(fit.max_deviation < 5e-5);
+    CHECK(fit.levels[2].report.max_deviation < body.asked[0]);
+    CHECK(fit.max_deviation < body.asked[1]);
     CHECK(fit.coverage_deviation < 1.5 * fit.max_deviation);
-    check_root_plane(fit);
+    CHECK(fit.levels[3].report.crease_deviation <= fit.max_deviation * (1 + 1e-9));
+    if (name.starts_with("wing_")) check_root_plane(fit);
   }
 }
 
-TEST_CASE("a wing's cage may be drawn 3 % of the chord beside the wing", "[fit][cad]") {
-  const WingCageShape wing;
-  const CadModel model = wing_model(wing);
-  for (const unsigned seed : {1U, 2U}) {
-    const SurfaceFit fit = fitted(with_noise(wing_cage(wing), 0.03, seed), model);
-    CHECK(fit.unmatched_chains.empty());
-    CHECK(fit.max_deviation < 5e-5);
+TEST_CASE("orders of convergence: regular regions, mirrored halves, creases", "[fit][cad]") {
+  for (const char* name : {"torus", "half_torus", "cylinder"}) {
+    const FitBody body = make_fit_body(name);
+    const SurfaceFit fit = fitted(body.cage, body.cad);
+    INFO(name);
+    CHECK(fit.levels[2].report.max_deviation > 14 * fit.levels[3].report.max_deviation);
+  }
+  // The ends of a crease have no curvature (the natural end of a spline): a factor of 4.
+  const FitBody wing = make_fit_body("wing_sharp");
+  const SurfaceFit fit = fitted(wing.cage, wing.cad, 4);
+  CHECK(fit.levels[3].report.crease_deviation > 3.5 * fit.levels[4].report.crease_deviation);
+  CHECK(fit.max_deviation < wing.asked[2]);
+}
+
+TEST_CASE("without the mirror image a half body loses an order at its symmetry plane", "[fit][cad]") {
+  const FitBody body = make_fit_body("half_torus");
+  FitSettings plain;
+  plain.mirror = false;
+  Progress silent;
+  const SurfaceFit without = fit_surface(body.cage, body.cad, plain, silent);
+  const SurfaceFit with = fitted(body.cage, body.cad);
+  CHECK(without.max_deviation > 30 * with.max_deviation);
+  check_root_plane(with);
+}
+
+TEST_CASE("rough cages: noise of 1 % and 3 % of the diagonal on every vertex", "[fit][cad]") {
+  for (const char* name : {"sphere", "torus", "wing_sharp", "wing_blunt", "wing_thin_base", "rounded_box"}) {
+    const FitBody body = make_fit_body(name);
+    const double plain = fitted(body.cage, body.cad, 2).max_deviation;
+    for (const double noise : {0.01, 0.03}) {
+      for (const unsigned seed : {1U, 8U, 14U}) {
+        INFO(name << ", noise " << noise << ", seed " << seed);
+        const SurfaceFit fit = fitted(with_noise(body.cage, noise * body.cad.diagonal(), seed), body.cad, 2);
+        CHECK(fit.unmatched_chains.empty());
+        CHECK(fit.max_deviation < 3 * plain);
+      }
+    }
   }
 }
 
