@@ -26,10 +26,37 @@ std::string unit_symbol(const CadSummary& summary) {
   return summary.unit;
 }
 
+/// Without triangles there is no box: null.
+Json box(const Box3& bounds) {
+  if (bounds.isEmpty()) return nullptr;
+  return Json::array({numbers(bounds.min()), numbers(bounds.max())});
+}
+
+Json counts(const std::vector<NamedCount>& values) {
+  Json object = Json::object();
+  for (const NamedCount& value : values) object[value.name] = value.count;
+  return object;
+}
+
+/// Only what the kind has.
+Json border_json(const OpenBorder& border) {
+  Json json{{"kind", name_of(border.kind)},   {"loop", border.loop},
+            {"closed_loop", border.closed},   {"length", border.length},
+            {"place", numbers(border.place)}, {"bbox", box(border.bounds)},
+            {"chains", border.chains}};
+  if (border.kind == BorderKind::gap) json["width"] = border.width;
+  if (border.kind == BorderKind::plane || border.kind == BorderKind::hole) {
+    json["axis"] = border.axis < 0 ? Json() : Json(std::string(1, "xyz"[border.axis]));
+    json["normal"] = numbers(border.normal);
+    json["value"] = border.value;
+  }
+  return json;
+}
+
 }  // namespace
 
 Json cad_json(const CadSummary& summary) {
-  Json names = Json::array(), sources = Json::array(), kinds = Json::object();
+  Json names = Json::array(), sources = Json::array(), borders = Json::array();
   for (const CadFile& file : summary.files) {
     names.push_back(file.name);
     sources.push_back({{"file", file.name},
@@ -37,16 +64,17 @@ Json cad_json(const CadSummary& summary) {
                        {"unit", file.unit},
                        {"unit_in_metres", file.unit_in_metres},
                        {"solids", file.solids},
-                       {"faces", file.faces}});
+                       {"faces", file.faces},
+                       {"diagonal", file.diagonal}});
   }
-  for (const NamedCount& kind : summary.faces_by_kind) kinds[kind.name] = kind.count;
+  for (const OpenBorder& border : summary.borders) borders.push_back(border_json(border));
   return {{"files", names},
           {"unit", unit_symbol(summary)},
           {"faces", summary.faces},
           {"edges", summary.edges},
           {"sharp_edges", summary.sharp_edges},
           {"free_edges", summary.free_edges},
-          {"bbox", Json::array({numbers(summary.bounds.min()), numbers(summary.bounds.max())})},
+          {"bbox", box(summary.bounds)},
           {"diagonal", summary.diagonal},
           {"warnings", summary.warnings},
           {"sources", sources},
@@ -55,8 +83,9 @@ Json cad_json(const CadSummary& summary) {
           {"shells", summary.shells},
           {"open_shells", summary.open_shells},
           {"vertices", summary.vertices},
-          {"faces_by_kind", kinds},
+          {"faces_by_kind", counts(summary.faces_by_kind)},
           {"free_edges_before_sewing", summary.free_edges_before},
+          {"free_edges_before_splitting", summary.free_edges_sewn},
           {"sewing_tolerance", summary.sewing_tolerance},
           {"partly_sharp_edges", summary.partly_sharp_edges},
           {"edges_of_more_than_two_faces", summary.crowded_edges},
@@ -64,7 +93,32 @@ Json cad_json(const CadSummary& summary) {
           {"boundary_chains", summary.boundary_chains},
           {"corners", summary.corners},
           {"solid_names", summary.solid_names},
-          {"face_names", summary.face_names}};
+          {"groups", counts(summary.groups)},
+          {"parts", counts(summary.parts)},
+          {"layers", counts(summary.layers)},
+          {"colors", counts(summary.colors)},
+          {"faces_left_out", summary.faces_left_out},
+          {"open_borders", borders},
+          {"bad_faces", summary.bad_faces}};
+}
+
+Json faces_json(const CadModel& model) {
+  Json faces = Json::array();
+  for (Index f = 0; f < model.face_count(); ++f) {
+    const CadFace& face = model.face(f);
+    faces.push_back({{"number", face.number},
+                     {"kind", face.kind},
+                     {"group", face.group},
+                     {"name", face.name},
+                     {"solid", face.solid},
+                     {"part", face.part},
+                     {"instance", face.instance},
+                     {"layer", face.layer},
+                     {"color", face.color},
+                     {"file", face.file},
+                     {"bbox", box(face.bounds)}});
+  }
+  return faces;
 }
 
 }  // namespace flowcage

@@ -8,8 +8,8 @@
 #include <array>
 #include <memory>
 
-#include "cli/suggestion.hpp"
 #include "core/base/error.hpp"
+#include "core/base/suggestion.hpp"
 #include "occ_bridge/occ_version.hpp"
 
 namespace flowcage {
@@ -73,6 +73,19 @@ void bind(CLI::App& app, const OptionSpec& row, Options& options) {
     }
     return;
   }
+  if (row.repeatable) {
+    app.add_option_function<std::vector<std::string>>(
+           "--" + row.name,
+           [set, &options](const std::vector<std::string>& values) {
+             for (const std::string& value : values) set(options, value);
+           },
+           notes(row))
+        ->type_name(row.value_name)
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+        ->group(row.group);
+    return;
+  }
   app.add_option_function<std::string>(
          "--" + row.name, [set, &options](const std::string& v) { set(options, v); }, notes(row))
       ->type_name(row.value_name)
@@ -98,7 +111,7 @@ CLI::App* add_command(CLI::App& app, const CommandSpec& spec, Options& options) 
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   }
   for (const OptionSpec& row : option_table()) {
-    if (row.belongs_to(spec.command)) bind(*sub, row, options);
+    if (row.belongs_to(spec.command)) bind(*sub, option_for(row, spec.command), options);
   }
   sub->footer("Example:\n  " + spec.example);
   return sub;

@@ -21,10 +21,7 @@ FitInputs read_fit_inputs(const Options& options, Progress& progress) {
   const auto start = std::chrono::steady_clock::now();
   // The cage first: it is read at once, and most likely to be wrong.
   MendedCage drawn = read_mended_cage(options.cage);
-  CadReadSettings settings;
-  settings.cad_unit = options.cad_unit;
-  settings.crease_angle_degrees = options.crease_angle;
-  CadModel cad = read_cad(options.inputs, settings, progress);
+  CadModel cad = read_cad(options.inputs, cad_settings(options), progress);
   const double cad_unit = cad.summary().files.front().unit_in_metres;
   const double unit = !options.cage_unit.empty() ? metres_per_unit(options.cage_unit)
                       : cad_unit > 0             ? cad_unit
@@ -40,6 +37,15 @@ FitInputs read_fit_inputs(const Options& options, Progress& progress) {
   cage.lint.insert(cage.lint.begin(), drawn.mended.begin(), drawn.mended.end());
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
   return {std::move(cad), std::move(cage.cage), cage.creases, std::move(cage.lint), unit, seconds.count()};
+}
+
+CadReadSettings cad_settings(const Options& options) {
+  CadReadSettings settings;
+  settings.cad_unit = options.cad_unit;
+  settings.crease_angle_degrees = options.crease_angle;
+  settings.include = options.include;
+  settings.exclude = options.exclude;
+  return settings;
 }
 
 Cage read_cage_in_metres(const std::string& file, double unit) {

@@ -26,6 +26,9 @@ struct FitInputs {
 /// --cage.
 FitInputs read_fit_inputs(const Options& options, Progress& progress);
 
+/// How the options want CAD to be read.
+CadReadSettings cad_settings(const Options& options);
+
 /// A cage file in metres; unit as read_fit_inputs found it.
 Cage read_cage_in_metres(const std::string& file, double unit);
 

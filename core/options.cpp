@@ -1,6 +1,7 @@
 #include "core/options.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -103,6 +104,17 @@ OptionSpec text(OptionSpec row, std::string Options::*field) {
   return row;
 }
 
+/// Each use adds one.
+OptionSpec texts(OptionSpec row, std::vector<std::string> Options::*field) {
+  row.repeatable = true;
+  row.set = [row, field](Options& options, const std::string& value) {
+    if (value.empty()) refuse(row, value, "is empty");
+    (options.*field).push_back(value);
+  };
+  row.show = [field](const Options& options) { return fmt::format("{}", fmt::join(options.*field, ", ")); };
+  return row;
+}
+
 /// One of the words of value_name, "a|b|c".
 OptionSpec choice(OptionSpec row, std::string Options::*field) {
   row.set = [row, field](Options& options, const std::string& value) {
@@ -156,6 +168,10 @@ OptionSpec later(OptionSpec r) {
 }
 OptionSpec later(OptionSpec r, std::vector<std::string> values) {
   r.later_values = std::move(values);
+  return r;
+}
+OptionSpec later_for(OptionSpec r, unsigned commands) {
+  r.later_commands = commands;
   return r;
 }
 OptionSpec negatable(OptionSpec r) {
@@ -259,6 +275,17 @@ std::vector<OptionSpec> make_table() {
               &Options::reynolds, {0, 1e12, true}),
        number(in_unit(later(without(row("length", "L", mesh, "reference length"), "off")), "output units"),
               &Options::length, {0, infinite, true})});
+  group(
+      "Faces of the CAD",
+      {texts(without(row("include", "PATTERN", fitting | inspect,
+                         "take only the faces that match: a wildcard for name, layer or colour, or face:1-4 "
+                         "(docs/cad.md); may be repeated"),
+                     "all"),
+             &Options::include),
+       texts(without(row("exclude", "PATTERN", fitting | inspect,
+                         "leave out the faces that match; may be repeated"),
+                     "none"),
+             &Options::exclude)});
   group("Units", {choice(row("unit", "m|mm|in|ft", fitting, "unit of the output"), &Options::unit),
                   choice(without(row("cad-unit", "m|mm|in|ft", fitting | inspect,
                                      "overrules the unit that the CAD file states"),
@@ -281,21 +308,25 @@ std::vector<OptionSpec> make_table() {
          text(without(row("json", "FILE", fitting | inspect | quality, "the numbers of the result as JSON"),
                       "none"),
               &Options::json),
-         text(later(without(row("report", "FILE.html", fitting, "a report to look at"), "none")),
+         text(later_for(without(row("report", "FILE.html", fitting | inspect,
+                                    "a page with pictures of the result and its problems marked"),
+                                "none"),
+                        fitting),
               &Options::report),
          flag(row("force", "", fitting, "write a mesh that misses its gates (the exit code stays 4)"),
               &Options::force)});
   return table;
 }
 
-std::string command_names(const OptionSpec& r) {
+std::string command_names(unsigned commands) {
   static constexpr std::array names{std::pair{Command::mesh, "mesh"}, std::pair{Command::surface, "surface"},
                                     std::pair{Command::subdivide, "subdivide"},
                                     std::pair{Command::inspect, "inspect"},
                                     std::pair{Command::quality, "quality"}};
   std::string out;
   for (const auto& [command, name] : names) {
-    if (r.belongs_to(command)) out += (out.empty() ? "" : ", ") + std::string(name);
+    if ((commands & static_cast<unsigned>(command)) != 0)
+      out += (out.empty() ? "" : ", ") + std::string(name);
   }
   return out;
 }
@@ -312,6 +343,13 @@ std::string escaped(std::string text) {
 const std::vector<OptionSpec>& option_table() {
   static const std::vector<OptionSpec> table = make_table();
   return table;
+}
+
+OptionSpec option_for(const OptionSpec& row, Command command) {
+  OptionSpec r = row;
+  if ((row.later_commands & static_cast<unsigned>(command)) == 0) return r;
+  r.later = true;
+  return guarded(std::move(r));
 }
 
 double metres_per_unit(std::string_view unit) {
@@ -342,12 +380,13 @@ std::string options_markdown() {
     }
     std::string meaning = r.help;
     if (r.later) meaning += " (*later*)";
+    if (r.later_commands != 0) meaning += fmt::format(" ({}: *later*)", command_names(r.later_commands));
     for (const std::string& value : r.later_values) meaning += fmt::format(" (`{}`: *later*)", value);
     const std::string name =
         "--" + r.name + (r.is_flag() ? "" : " " + r.value_name) + (r.negatable ? ", --no-" + r.name : "");
     const std::string value = r.is_flag() ? (r.show(defaults) == "true" ? "on" : "off") : r.show(defaults);
     fmt::format_to(append, "| `{}` | {} | {} | {} | {} | {} |\n", escaped(name), escaped(meaning), r.unit,
-                   r.range, r.default_text.empty() ? value : r.default_text, command_names(r));
+                   r.range, r.default_text.empty() ? value : r.default_text, command_names(r.commands));
   }
   return out;
 }

@@ -40,6 +40,8 @@ struct Options {
   std::optional<double> first_height, growth, yplus, reynolds, length;
   std::optional<int> layers;
 
+  std::vector<std::string> include, exclude;  ///< patterns of faces
+
   std::string unit = "m";
   std::string cad_unit, cage_unit;
 
@@ -67,12 +69,14 @@ struct OptionSpec {
   std::string value_name;  ///< "N", "FILE", "box|sphere"; empty for a flag
   std::string unit;        ///< of the value; empty if it has none
   std::string help;
-  std::string default_text;  ///< where the default is no single value: what happens without the option
-  std::string range;         ///< "0 < T <= 1"; empty without limits
-  unsigned commands = 0;     ///< bits of Command
-  bool later = false;        ///< in the contract, but not in this version: refused
+  std::string default_text;     ///< where the default is no single value: what happens without the option
+  std::string range;            ///< "0 < T <= 1"; empty without limits
+  unsigned commands = 0;        ///< bits of Command
+  bool later = false;           ///< in the contract, but not in this version: refused
+  unsigned later_commands = 0;  ///< those of `commands` that this version refuses it for
   std::vector<std::string> later_values;  ///< values that this version refuses
   bool negatable = false;                 ///< a flag with a --no- form
+  bool repeatable = false;                ///< each use adds a value
 
   /// Sets the value from text ("true" and "false" for flags); throws Error(usage) that names option, value
   /// and range.
@@ -86,6 +90,9 @@ struct OptionSpec {
 
 /// Every option with a long name, in the order of the help.
 const std::vector<OptionSpec>& option_table();
+
+/// The row as a command has it: one that is later for this command is later altogether.
+OptionSpec option_for(const OptionSpec& row, Command command);
 
 /// Metres in one m, mm, in or ft. Throws Error(usage) for other names.
 double metres_per_unit(std::string_view unit);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 
 #include "occ_bridge/internal/build_model.hpp"
 #include "occ_bridge/internal/cad_data.hpp"
@@ -58,6 +59,8 @@ CadModel finished(occ::PreparedModel prepared, const CadReadSettings& settings, 
   data->bounds = bounds;
   data->summary.bounds = bounds;
   data->summary.diagonal = bounds.diagonal().norm();
+  progress.step("tell open borders apart", 0.0);
+  data->summary.borders = find_open_borders(CadModel(data));
   return CadModel(std::move(data));
 }
 
@@ -107,7 +110,11 @@ Index CadModel::face_count() const {
 }
 
 std::string CadModel::face_name(Index face) const {
-  return data_->face_names[face];
+  return data_->labels[face].group;
+}
+
+const CadFace& CadModel::face(Index face) const {
+  return data_->labels[face];
 }
 
 Box3 CadModel::bounds() const {
@@ -121,38 +128,38 @@ const CadSummary& CadModel::summary() const {
 CadModel read_cad(std::span<const std::string> files, const CadReadSettings& settings, Progress& progress) {
   if (files.empty()) throw Error(ErrorKind::usage, "no CAD file", "name at least one STEP or IGES file");
   std::string all;
+  double megabytes = 0;
   for (const std::string& file : files) {
     occ::sniff_cad_file(file);  // clear errors at once, before a process is started
+    megabytes += 1e-6 * static_cast<double>(std::filesystem::file_size(file));
     if (!all.empty()) all += ", ";
     all += file;
   }
   const auto work = [&] {
     Progress nobody;
-    occ::FaceNames names;
+    occ::FaceLabels labels;
     std::vector<occ::FileContent> contents;
     for (const std::string& file : files) {
-      contents.push_back(occ::read_cad_file(file, settings.cad_unit, names, nobody));
+      contents.push_back(occ::read_cad_file(file, settings.cad_unit, labels, nobody));
     }
-    occ::PreparedModel prepared = occ::prepare_model(contents, names, settings, nobody);
+    occ::PreparedModel prepared = occ::prepare_model(contents, labels, settings, nobody);
     std::string bytes = occ::bytes_of(prepared);
     occ::build_model(std::move(prepared), settings, nobody);  // whether it survives this, too
     return bytes;
   };
   const std::string bytes = occ::run_isolated(
-      work, {.file = all, .stage = fmt::format("read {}", all), .limit_seconds = settings.time_limit_seconds},
+      work,
+      {.file = all,
+       .stage = fmt::format("read {}", all),
+       .limit_seconds = settings.time_limit_seconds + megabytes * settings.time_limit_per_megabyte},
       progress);
   return finished(occ::prepared_from(bytes), settings, progress);
 }
 
 CadModel cad_model_of(const Shape& shape, const CadReadSettings& settings, Progress& progress) {
-  occ::FaceNames names;
-  occ::FileContent content;
-  content.file = std::string("(built in code)");
-  content.format = std::string("BREP");
-  content.unit = std::string("m");
-  content.shape_unit = 1;
-  content.shape = shape.rep().shape;
-  return finished(occ::prepare_model({content}, names, settings, progress), settings, progress);
+  occ::FaceLabels labels;
+  const occ::FileContent content = occ::content_of(shape.rep().shape, labels);
+  return finished(occ::prepare_model({content}, labels, settings, progress), settings, progress);
 }
 
 }  // namespace flowcage

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/base/progress.hpp"
+#include "core/target/open_borders.hpp"
 #include "core/target/target_surface.hpp"
 #include "occ_bridge/shapes.hpp"
 
@@ -19,8 +20,28 @@ struct CadReadSettings {
   std::vector<double> sewing_tolerances{1e-6, 1e-5, 1e-4};  ///< tried in this order until nothing is open
   double deflection = 1e-3;                                 ///< of the tessellation from the exact surface
   double tessellation_angle_degrees = 15;
-  double time_limit_seconds =
-      300;  ///< for reading and repairing: damaged files can keep the kernel busy for ever
+  /// For reading and repairing, as damaged files can keep the kernel busy for ever: so long, and longer with
+  /// the files' size. (The slowest of 39 real files took 2 s for its megabyte.)
+  double time_limit_seconds = 40, time_limit_per_megabyte = 60;
+  /// Which faces are taken, by name, layer, colour or number (docs/cad.md): those that match an `include`
+  /// (all where there is none) and no `exclude`.
+  std::vector<std::string> include{}, exclude{};
+};
+
+/// A face and what the files say of it; "" where they say nothing.
+struct CadFace {
+  Index number =
+      0;  ///< from 1, in the order of the files: as read, so that the parts of a split face share it
+  std::string name{};      ///< its own
+  std::string solid{};     ///< its solid's, else its shell's
+  std::string part{};      ///< its product's
+  std::string instance{};  ///< of the product in the assembly: "left wing/flap:2"
+  std::string layer{};
+  std::string color{};  ///< "#rrggbb"
+  std::string file{};   ///< its file's name without folder and extension
+  std::string group{};  ///< the patch name that it offers: the first of these that tells faces apart
+  std::string kind{};   ///< plane, cylinder, ...
+  Box3 bounds{};        ///< of its triangles; empty where it has none
 };
 
 /// One file as it was found.
@@ -30,6 +51,7 @@ struct CadFile {
   std::string unit;           ///< of the file: m, mm, in, ft, ...; "" where it says none
   double unit_in_metres = 0;  ///< of its numbers, after --cad-unit; 0: unknown to us, the kernel converts
   Index solids = 0, faces = 0;
+  double diagonal = 0;  ///< in metres, with all its faces
 };
 
 struct NamedCount {
@@ -46,13 +68,19 @@ struct CadSummary {
   Index solids = 0, shells = 0, open_shells = 0;
   Index faces = 0, edges = 0, vertices = 0;       ///< edges without the degenerate ones (poles)
   std::vector<NamedCount> faces_by_kind;          ///< plane, cylinder, ..., most frequent first
-  Index free_edges_before = 0, free_edges = 0;    ///< edges of one face, before and after sewing
+  Index free_edges_before = 0;                    ///< edges of one face, before sewing,
+  Index free_edges_sewn = 0;                      ///< after it,
+  Index free_edges = 0;                           ///< and after faces were split at kinks, edges with them
   double sewing_tolerance = 0;                    ///< used; 0: not sewn
   Index sharp_edges = 0, partly_sharp_edges = 0;  ///< the second: sharp on a part of their length only
   Index crowded_edges = 0;                        ///< of more than two faces
   Index sharp_chains = 0, boundary_chains = 0, corners = 0;
   Index triangles = 0;
-  std::vector<std::string> solid_names, face_names;  ///< those that are not empty; face names once each
+  Index faces_left_out = 0;                               ///< by include and exclude
+  std::vector<OpenBorder> borders;                        ///< what the free edges are
+  std::vector<Index> bad_faces;                           ///< numbers of faces without triangles
+  std::vector<std::string> solid_names;                   ///< those that are not empty
+  std::vector<NamedCount> groups, parts, layers, colors;  ///< with their faces, in the order of the faces
   std::vector<std::string> warnings;
   bool closed() const { return faces > 0 && free_edges == 0; }
 };
@@ -83,6 +111,7 @@ class CadModel final : public TargetSurface {
   std::string face_name(Index face) const override;
   Box3 bounds() const override;
 
+  const CadFace& face(Index face) const;
   const CadSummary& summary() const;
 
  private:
@@ -91,8 +120,10 @@ class CadModel final : public TargetSurface {
 
 /// Reads, in a process of its own that a damaged file may crash, STEP, IGES and BREP files (told apart by
 /// content) into one model. Sews what is open, makes closed shells solids, splits faces at sharp knot lines,
-/// and finds features. What can be worked around is a line in summary().warnings and progress.warn(). Throws
-/// Error(input) naming the file for one that is missing, no CAD, cut off, damaged or without a surface.
+/// and finds features. face_name() is the group of the face. What can be worked around is a line in
+/// summary().warnings and progress.warn(). Throws Error(input) naming the file for one that is missing, no
+/// CAD, cut off, damaged or without a surface, and Error(usage) for a pattern of include or exclude that
+/// matches nothing.
 CadModel read_cad(std::span<const std::string> files, const CadReadSettings& settings, Progress& progress);
 
 /// The same for a shape built in code.

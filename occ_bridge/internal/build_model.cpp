@@ -8,7 +8,6 @@
 #include <TopoDS.hxx>
 #include <algorithm>
 #include <numbers>
-#include <set>
 
 #include "occ_bridge/internal/cad_data.hpp"
 #include "occ_bridge/internal/face_edges.hpp"
@@ -82,13 +81,53 @@ void count_topology(const TopoDS_Shape& shape, const FaceEdges& topology, CadSum
   summary.faces_by_kind = count_kinds(topology);
 }
 
+void count_values(const std::vector<CadFace>& faces, std::string CadFace::*field,
+                  std::vector<NamedCount>& counts) {
+  for (const CadFace& face : faces) {
+    if ((face.*field).empty()) continue;
+    auto found = std::ranges::find(counts, face.*field, &NamedCount::name);
+    if (found == counts.end()) found = counts.insert(counts.end(), {face.*field, 0});
+    ++found->count;
+  }
+}
+
+/// Kinds and bounds of the faces, and what is said of how many.
+void describe_faces(const FaceEdges& topology, CadModel::Data& data) {
+  for (Index f = 0; f < topology.face_count(); ++f) data.labels[f].kind = kind_of(topology.face(f));
+  const Tessellation& mesh = data.tessellation;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (const Index p : mesh.triangles[t]) data.labels[mesh.triangle_face[t]].bounds.extend(mesh.points[p]);
+  }
+  count_values(data.labels, &CadFace::group, data.summary.groups);
+  count_values(data.labels, &CadFace::part, data.summary.parts);
+  count_values(data.labels, &CadFace::layer, data.summary.layers);
+  count_values(data.labels, &CadFace::color, data.summary.colors);
+}
+
+/// No file tells whether its unit is right; sizes that are rare for bodies in a flow are worth a look.
 void warn_of_odd_size(CadSummary& summary) {
-  constexpr double small = 1e-3, large = 1e3;
+  constexpr double small = 1e-3, large = 1e3, small_for_part_units = 0.25, far_apart = 100;
   if (summary.diagonal < small || summary.diagonal > large) {
     summary.warnings.push_back(
         fmt::format("odd size: the diagonal is {:.4g} m with the unit '{}'; --cad-unit "
                     "overrules the unit where the file states a wrong one",
                     summary.diagonal, summary.unit));
+    return;
+  }
+  for (const CadFile& file : summary.files) {
+    // Millimetres are what many systems declare when nobody chose; that turns a blade of 117 m into 117 mm.
+    if (file.unit_in_metres > 0 && file.unit_in_metres < 0.1 && file.diagonal < small_for_part_units) {
+      summary.warnings.push_back(fmt::format(
+          "check the unit of {}: in '{}' as declared its diagonal is {:.4g} m; where its numbers are "
+          "metres, {:.4g} m, say --cad-unit m",
+          file.name, file.unit, file.diagonal, file.diagonal / file.unit_in_metres));
+    }
+  }
+  const auto [least, most] = std::ranges::minmax_element(summary.files, {}, &CadFile::diagonal);
+  if (most->diagonal > far_apart * least->diagonal) {
+    summary.warnings.push_back(fmt::format(
+        "odd sizes: {} has a diagonal of {:.4g} m, {} of {:.4g} m; does one of them state a wrong unit?",
+        least->name, least->diagonal, most->name, most->diagonal));
   }
 }
 
@@ -137,12 +176,8 @@ std::shared_ptr<CadModel::Data> build_model(PreparedModel prepared, const CadRea
     ++(chain.kind == ChainKind::sharp ? summary.sharp_chains : summary.boundary_chains);
   }
 
-  std::set<std::string> distinct;
-  for (Index f = 0; f < topology.face_count(); ++f) {
-    data->face_names.push_back(prepared.names[f]);
-    if (!data->face_names.back().empty()) distinct.insert(data->face_names.back());
-  }
-  summary.face_names.assign(distinct.begin(), distinct.end());
+  data->labels = std::move(prepared.labels);
+  describe_faces(topology, *data);
 
   TopTools_IndexedMapOfShape faces;
   TopExp::MapShapes(scaled(shape, prepared.metres), TopAbs_FACE, faces);

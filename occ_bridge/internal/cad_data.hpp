@@ -13,7 +13,7 @@ namespace flowcage {
 /// What a CadModel holds. Everything in metres; face numbers are those of `faces`.
 struct CadModel::Data {
   std::vector<TopoDS_Face> faces;
-  std::vector<std::string> face_names;
+  std::vector<CadFace> labels;
   Tessellation tessellation;
   Box3 bounds;
   FeatureGraph features;

@@ -224,7 +224,7 @@ double untrimmed_width(const TopoDS_Face& face) {
 
 }  // namespace
 
-SewnShape sew_open_parts(const TopoDS_Shape& shape, const SewSettings& settings, FaceNames& names,
+SewnShape sew_open_parts(const TopoDS_Shape& shape, const SewSettings& settings, FaceLabels& labels,
                          std::vector<std::string>& warnings, Progress& progress) {
   Parts parts = parts_of(shape, warnings);
   SewnShape result;
@@ -247,7 +247,7 @@ SewnShape sew_open_parts(const TopoDS_Shape& shape, const SewSettings& settings,
     }
     Sides sides = sides_of(parts.open);
     for (const auto& [before, after] : best.modified) {
-      names.inherit(before, after);
+      labels.inherit(before, after);
       if (!after.IsNull()) sides.emplace(after.TShape().get(), before.Orientation());
     }
     if (best.lost_faces > 0) {
@@ -291,7 +291,8 @@ TopoDS_Shape orient_outward(const TopoDS_Shape& shape) {
   return compound_of(parts);
 }
 
-TopoDS_Shape without_slivers(const TopoDS_Shape& shape, double width, std::vector<std::string>& warnings) {
+TopoDS_Shape without_slivers(const TopoDS_Shape& shape, double width, const FaceLabels& labels,
+                             std::vector<std::string>& warnings) {
   const Handle(BRepTools_ReShape) context = new BRepTools_ReShape;
   int removed = 0;
   std::string where;
@@ -300,12 +301,12 @@ TopoDS_Shape without_slivers(const TopoDS_Shape& shape, double width, std::vecto
     double mean_width = width;
     const std::string failure = failure_of([&] { mean_width = untrimmed_width(topology.face(f)); });
     if (!failure.empty() || mean_width >= width) continue;
-    if (removed++ == 0) where = std::to_string(f + 1);
+    if (removed++ == 0) where = labels.word_for(topology.face(f));
     context->Remove(topology.face(f));
   }
   if (removed == 0 || removed == topology.face_count()) return shape;
   warnings.push_back(
-      fmt::format("{} face(s) without an area (the first is number {}) are left out", removed, where));
+      fmt::format("{} face(s) without an area (the first is {}) are left out", removed, where));
   return context->Apply(shape);
 }
 

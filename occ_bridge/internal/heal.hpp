@@ -23,7 +23,7 @@ struct SewnShape {
 /// Tolerances are tried in their order until nothing is free; the result with the fewest free edges is kept,
 /// the unsewn one where sewing gains nothing. Every closed shell becomes a solid. Shells whose faces do not
 /// agree on a side are made consistent; an open shell keeps the side that most of its faces had in the file.
-SewnShape sew_open_parts(const TopoDS_Shape& shape, const SewSettings& settings, FaceNames& names,
+SewnShape sew_open_parts(const TopoDS_Shape& shape, const SewSettings& settings, FaceLabels& labels,
                          std::vector<std::string>& warnings, Progress& progress);
 
 /// Turns solids that are inside out. Precondition: the shape is tessellated (the sign of the tessellation's
@@ -32,6 +32,7 @@ TopoDS_Shape orient_outward(const TopoDS_Shape& shape);
 
 /// Leaves out the faces that are narrower than `width` on average: strips collapsed to a curve, which some
 /// systems write at tips and sharp trailing edges. They have no normal, and sewing joins what is beside them.
-TopoDS_Shape without_slivers(const TopoDS_Shape& shape, double width, std::vector<std::string>& warnings);
+TopoDS_Shape without_slivers(const TopoDS_Shape& shape, double width, const FaceLabels& labels,
+                             std::vector<std::string>& warnings);
 
 }  // namespace flowcage::occ

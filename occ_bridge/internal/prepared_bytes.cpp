@@ -8,7 +8,9 @@
 namespace flowcage {
 
 // CBOR, not JSON text: names in files need not be valid UTF-8.
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CadFile, name, format, unit, unit_in_metres, solids, faces)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CadFile, name, format, unit, unit_in_metres, solids, faces, diagonal)
+// Kind and bounds are found on the other side.
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CadFace, number, name, solid, part, instance, layer, color, file, group)
 
 namespace occ {
 
@@ -16,10 +18,13 @@ std::string bytes_of(const PreparedModel& model) {
   const CadSummary& summary = model.summary;
   const nlohmann::json facts{{"metres", model.metres},
                              {"deflection", model.deflection},
-                             {"names", model.names},
+                             {"labels", model.labels},
                              {"files", summary.files},
                              {"unit", summary.unit},
                              {"free_edges_before", summary.free_edges_before},
+                             {"free_edges_sewn", summary.free_edges_sewn},
+                             {"faces_left_out", summary.faces_left_out},
+                             {"bad_faces", summary.bad_faces},
                              {"sewing_tolerance", summary.sewing_tolerance},
                              {"solid_names", summary.solid_names},
                              {"warnings", summary.warnings}};
@@ -40,10 +45,13 @@ PreparedModel prepared_from(const std::string& bytes) {
   PreparedModel model;
   model.metres = facts["metres"];
   model.deflection = facts["deflection"];
-  model.names = facts["names"].get<std::vector<std::string>>();
+  model.labels = facts["labels"].get<std::vector<CadFace>>();
   model.summary.files = facts["files"].get<std::vector<CadFile>>();
   model.summary.unit = facts["unit"];
   model.summary.free_edges_before = facts["free_edges_before"];
+  model.summary.free_edges_sewn = facts["free_edges_sewn"];
+  model.summary.faces_left_out = facts["faces_left_out"];
+  model.summary.bad_faces = facts["bad_faces"].get<std::vector<Index>>();
   model.summary.sewing_tolerance = facts["sewing_tolerance"];
   model.summary.solid_names = facts["solid_names"].get<std::vector<std::string>>();
   model.summary.warnings = facts["warnings"].get<std::vector<std::string>>();

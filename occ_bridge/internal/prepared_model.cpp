@@ -15,6 +15,7 @@
 #include "occ_bridge/internal/heal.hpp"
 #include "occ_bridge/internal/kernel_scope.hpp"
 #include "occ_bridge/internal/scaled.hpp"
+#include "occ_bridge/internal/select_faces.hpp"
 #include "occ_bridge/internal/split_kinks.hpp"
 #include "occ_bridge/internal/tessellate.hpp"
 
@@ -35,12 +36,12 @@ double rough_diagonal(const TopoDS_Shape& shape) {
   return std::sqrt(box.SquareExtent());
 }
 
-TopoDS_Shape scaled_with_names(const TopoDS_Shape& shape, double factor, FaceNames& names) {
+TopoDS_Shape scaled_with_labels(const TopoDS_Shape& shape, double factor, FaceLabels& labels) {
   const TopoDS_Shape result = scaled(shape, factor);
   TopTools_IndexedMapOfShape before, after;
   TopExp::MapShapes(shape, TopAbs_FACE, before);
   TopExp::MapShapes(result, TopAbs_FACE, after);
-  for (int i = 1; i <= std::min(before.Extent(), after.Extent()); ++i) names.inherit(before(i), after(i));
+  for (int i = 1; i <= std::min(before.Extent(), after.Extent()); ++i) labels.inherit(before(i), after(i));
   return result;
 }
 
@@ -50,19 +51,19 @@ struct Working {
 };
 
 /// All files in one length unit that suits the kernel.
-Working common_unit(const std::vector<FileContent>& contents, FaceNames& names) {
+Working common_unit(const std::vector<FileContent>& contents, FaceLabels& labels) {
   Working working{.metres = contents.front().shape_unit};
   TopoDS_Compound all;
   BRep_Builder builder;
   builder.MakeCompound(all);
   for (const FileContent& content : contents) {
-    builder.Add(all, scaled_with_names(content.shape, content.shape_unit / working.metres, names));
+    builder.Add(all, scaled_with_labels(content.shape, content.shape_unit / working.metres, labels));
   }
   working.shape = all;
   const double diagonal = rough_diagonal(working.shape);
   if (diagonal > 0 && (diagonal < smallest_diagonal || diagonal > largest_diagonal)) {
     const double factor = std::pow(10.0, 2 - std::round(std::log10(diagonal)));
-    working.shape = scaled_with_names(working.shape, factor, names);
+    working.shape = scaled_with_labels(working.shape, factor, labels);
     working.metres /= factor;
   }
   return working;
@@ -76,14 +77,15 @@ Index count(const TopoDS_Shape& shape, TopAbs_ShapeEnum kind) {
 
 }  // namespace
 
-PreparedModel prepare_model(const std::vector<FileContent>& contents, FaceNames& names,
+PreparedModel prepare_model(std::vector<FileContent> contents, FaceLabels& labels,
                             const CadReadSettings& settings, Progress& progress) {
   const KernelScope scope;
   PreparedModel model;
   CadSummary& summary = model.summary;
   for (const FileContent& content : contents) {
     summary.files.push_back({content.file, content.format, content.unit, content.unit_in_metres,
-                             count(content.shape, TopAbs_SOLID), count(content.shape, TopAbs_FACE)});
+                             count(content.shape, TopAbs_SOLID), count(content.shape, TopAbs_FACE),
+                             content.shape_unit * rough_diagonal(content.shape)});
     summary.solid_names.insert(summary.solid_names.end(), content.solid_names.begin(),
                                content.solid_names.end());
     const std::string prefix = contents.size() > 1 ? content.file + ": " : "";
@@ -91,7 +93,9 @@ PreparedModel prepare_model(const std::vector<FileContent>& contents, FaceNames&
   }
   summary.unit = settings.cad_unit.empty() ? contents.front().unit : settings.cad_unit;
 
-  Working working = common_unit(contents, names);
+  summary.faces_left_out = select_faces(contents, labels, {settings.include, settings.exclude});
+
+  Working working = common_unit(contents, labels);
   const double rough = rough_diagonal(working.shape);
   if (!(rough > 0) || !std::isfinite(rough)) {
     throw input_error(contents.front().file, 0, "its shapes have no finite size",
@@ -102,15 +106,16 @@ PreparedModel prepare_model(const std::vector<FileContent>& contents, FaceNames&
   constexpr double sliver = 1e-7;       // relative to the diagonal: below the finest sewing tolerance
   constexpr double kink = 1 * radians;  // far below any crease angle: Newton's method wants smooth faces
   const SewSettings sewing{settings.sewing_tolerances, rough};
-  working.shape = without_slivers(working.shape, sliver * rough, summary.warnings);
-  SewnShape sewn = sew_open_parts(working.shape, sewing, names, summary.warnings, progress);
+  working.shape = without_slivers(working.shape, sliver * rough, labels, summary.warnings);
+  SewnShape sewn = sew_open_parts(working.shape, sewing, labels, summary.warnings, progress);
   summary.free_edges_before = sewn.free_edges_before;
+  summary.free_edges_sewn = sewn.free_edges;
   summary.sewing_tolerance = sewn.tolerance * working.metres;
   progress.step("split faces at kinks", 0.0);
-  sewn.shape = split_kinks(sewn.shape, kink, names, summary.warnings);
-  const TopoDS_Shape bared = without_slivers(sewn.shape, sliver * rough, summary.warnings);
+  sewn.shape = split_kinks(sewn.shape, kink, labels, summary.warnings);
+  const TopoDS_Shape bared = without_slivers(sewn.shape, sliver * rough, labels, summary.warnings);
   if (!bared.IsSame(sewn.shape)) {
-    sewn = sew_open_parts(bared, sewing, names, summary.warnings, progress);
+    sewn = sew_open_parts(bared, sewing, labels, summary.warnings, progress);
     summary.sewing_tolerance = std::max(summary.sewing_tolerance, sewn.tolerance * working.metres);
   }
 
@@ -118,12 +123,13 @@ PreparedModel prepare_model(const std::vector<FileContent>& contents, FaceNames&
                     {.deflection = settings.deflection * rough,
                      .scale = working.metres,
                      .angle_degrees = settings.tessellation_angle_degrees},
-                    summary.warnings, progress);
+                    labels, summary, progress);
   model.shape = orient_outward(sewn.shape);
   model.metres = working.metres;
   model.deflection = settings.deflection * rough;
   const FaceEdges topology = face_edges_of(model.shape);
-  for (Index f = 0; f < topology.face_count(); ++f) model.names.push_back(names.of(topology.face(f)));
+  for (Index f = 0; f < topology.face_count(); ++f) model.labels.push_back(labels.of(topology.face(f)));
+  choose_groups(model.labels);
   return model;
 }
 

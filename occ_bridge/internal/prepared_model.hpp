@@ -10,16 +10,16 @@ namespace flowcage::occ {
 
 /// A model after everything in which the kernel may fail badly: read, sewn, split, oriented, triangulated.
 struct PreparedModel {
-  TopoDS_Shape shape{};            ///< with triangulations
-  double metres = 1;               ///< per length unit of `shape`
-  double deflection = 0;           ///< of the triangulation, in the shape's length unit
-  std::vector<std::string> names;  ///< of the faces, in the order of exploration
-  CadSummary summary;              ///< files, unit, sewing, names of solids and warnings so far
+  TopoDS_Shape shape{};         ///< with triangulations
+  double metres = 1;            ///< per length unit of `shape`
+  double deflection = 0;        ///< of the triangulation, in the shape's length unit
+  std::vector<CadFace> labels;  ///< of the faces, in the order of exploration
+  CadSummary summary;           ///< files, unit, selection, sewing, names of solids and warnings so far
 };
 
-/// From the files' shapes: one unit, without slivers, sewn, split at kinks, oriented, triangulated.
-/// Precondition: each content has at least one face.
-PreparedModel prepare_model(const std::vector<FileContent>& contents, FaceNames& names,
+/// From the files' shapes: the chosen faces, one unit, without slivers, sewn, split at kinks, oriented,
+/// triangulated. Precondition: each content has at least one face.
+PreparedModel prepare_model(std::vector<FileContent> contents, FaceLabels& labels,
                             const CadReadSettings& settings, Progress& progress);
 
 /// To bytes and back without loss, for the way between two processes.

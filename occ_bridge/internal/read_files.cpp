@@ -1,32 +1,19 @@
 #include "occ_bridge/internal/read_files.hpp"
 
+#include <BRepBuilderAPI_Copy.hxx>
 #include <BRepTools.hxx>
 #include <BRep_Builder.hxx>
-#include <IFSelect_ReturnStatus.hxx>
-#include <IGESControl_Reader.hxx>
-#include <IGESData_GlobalSection.hxx>
-#include <IGESData_IGESEntity.hxx>
-#include <IGESData_IGESModel.hxx>
-#include <STEPControl_Reader.hxx>
-#include <StepRepr_RepresentationItem.hxx>
-#include <StepShape_FaceSurface.hxx>
-#include <StepShape_SolidModel.hxx>
-#include <TColStd_SequenceOfAsciiString.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
-#include <TransferBRep.hxx>
-#include <Transfer_Binder.hxx>
-#include <Transfer_TransientProcess.hxx>
-#include <XSControl_TransferReader.hxx>
-#include <XSControl_WorkSession.hxx>
+#include <TopoDS_Compound.hxx>
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <cmath>
 #include <filesystem>
-#include <fstream>
+#include <unordered_set>
 
+#include "occ_bridge/internal/file_readers.hpp"
 #include "occ_bridge/internal/kernel_scope.hpp"
 #include "occ_bridge/internal/sniff.hpp"
 
@@ -67,19 +54,52 @@ const LengthUnit* known_unit(const std::string& name) {
   return nullptr;
 }
 
-/// Our short name where we know the unit, else the file's in lower case.
-std::string unit_name(const std::string& name) {
-  const LengthUnit* known = known_unit(name);
-  return known == nullptr ? lower(name) : std::string(known->names[0]);
-}
-
 Index count_faces(const TopoDS_Shape& shape) {
   TopTools_IndexedMapOfShape faces;
   if (!shape.IsNull()) TopExp::MapShapes(shape, TopAbs_FACE, faces);
   return faces.Extent();
 }
 
-/// The kernel's first complaint, for errors whose cause it knows better than we do.
+/// Solids, shells outside of solids, faces outside of shells, each once.
+std::vector<TopoDS_Shape> bodies_of(const TopoDS_Shape& shape) {
+  TopTools_IndexedMapOfShape bodies;
+  for (TopExp_Explorer it(shape, TopAbs_SOLID); it.More(); it.Next()) bodies.Add(it.Current());
+  for (TopExp_Explorer it(shape, TopAbs_SHELL, TopAbs_SOLID); it.More(); it.Next()) bodies.Add(it.Current());
+  for (TopExp_Explorer it(shape, TopAbs_FACE, TopAbs_SHELL); it.More(); it.Next()) bodies.Add(it.Current());
+  return listed(bodies);
+}
+
+/// Numbers and labels the faces. Every instance of a part but the first gets geometry of its own, so that
+/// what happens to a face (split, sewn, renamed) happens to that one alone.
+void number_faces(RawContent& raw, FaceLabels& labels) {
+  TopoDS_Compound whole;
+  BRep_Builder builder;
+  builder.MakeCompound(whole);
+  std::unordered_set<const TopoDS_TShape*> seen;
+  for (const TopoDS_Shape& body : bodies_of(raw.content.shape)) {
+    const std::vector<TopoDS_Shape> faces = faces_of(body);
+    const bool shares = std::ranges::any_of(
+        faces, [&](const TopoDS_Shape& face) { return seen.contains(face.TShape().get()); });
+    const TopoDS_Shape own = shares ? BRepBuilderAPI_Copy(body).Shape() : body;
+    const std::vector<TopoDS_Shape> own_faces = faces_of(own);
+    for (std::size_t f = 0; f < own_faces.size(); ++f) {
+      seen.insert(own_faces[f].TShape().get());
+      CadFace label = f < faces.size() ? raw.labels[faces[f]] : CadFace();
+      label.file = std::filesystem::path(raw.content.file).stem().string();
+      labels.number(own_faces[f], std::move(label));
+    }
+    builder.Add(whole, own);
+  }
+  raw.content.shape = whole;
+}
+
+}  // namespace
+
+std::string unit_name(const std::string& name) {
+  const LengthUnit* known = known_unit(name);
+  return known == nullptr ? lower(name) : std::string(known->names[0]);
+}
+
 std::string first_failure(const KernelScope& scope) {
   for (const KernelMessage& message : scope.messages()) {
     if (message.gravity < Message_Alarm) continue;
@@ -90,30 +110,6 @@ std::string first_failure(const KernelScope& scope) {
     if (!text.empty()) return ": " + text.substr(0, 200);
   }
   return "";
-}
-
-/// A STEP or IGES reader that has loaded its file: everything it can convert, and what it could not.
-void transfer_all(XSControl_Reader& reader, FileContent& content, Progress& progress) {
-  const std::string stage = "read " + content.file;
-  const Handle(KernelProgress) bridge = new KernelProgress(progress, stage);
-  const std::string failure = failure_of([&] { reader.TransferRoots(bridge->Start()); });
-  progress.step(stage, 1.0);
-  if (!failure.empty()) {
-    content.warnings.push_back("conversion stopped early (" + failure + "): part of the model is missing");
-  }
-  content.shape = reader.OneShape();
-}
-
-/// Calls `visit(entity, converted shape or null)` for each entity of the model.
-template <typename Visit>
-void for_each_entity(const XSControl_Reader& reader, const Visit& visit) {
-  const auto model = reader.Model();
-  const auto process = reader.WS()->TransferReader()->TransientProcess();
-  for (int i = 1; i <= model->NbEntities(); ++i) {
-    const auto entity = model->Value(i);
-    const Handle(Transfer_Binder) binder = process->Find(entity);
-    visit(entity, binder.IsNull() ? TopoDS_Shape() : TransferBRep::ShapeResult(binder));
-  }
 }
 
 void warn_of_lost_faces(const std::vector<std::string>& lost, FileContent& content) {
@@ -127,86 +123,10 @@ void warn_of_lost_faces(const std::vector<std::string>& lost, FileContent& conte
   }
 }
 
-FileContent read_step(const std::string& file, FaceNames& names, Progress& progress) {
-  const KernelScope scope(KernelScope::Parameters{{"xstep.cascade.unit", "MM"}});
-  FileContent content{.file = file, .format = "STEP"};
-  STEPControl_Reader reader;
-  IFSelect_ReturnStatus status = IFSelect_RetFail;
-  const std::string failure = failure_of([&] { status = reader.ReadFile(file.c_str()); });
-  if (!failure.empty() || status != IFSelect_RetDone || reader.Model().IsNull()) {
-    throw input_error(
-        file, 0, "the STEP data cannot be parsed" + (failure.empty() ? first_failure(scope) : ": " + failure),
-        "export the file again from the CAD system");
-  }
-  TColStd_SequenceOfAsciiString lengths, angles, solid_angles;
-  failure_of([&] { reader.FileUnits(lengths, angles, solid_angles); });
-  content.unit = lengths.IsEmpty() ? "" : unit_name(lengths.First().ToCString());
-  for (int i = 2; i <= lengths.Length(); ++i) {
-    const std::string other = unit_name(lengths(i).ToCString());
-    if (other != content.unit) {
-      content.warnings.push_back("parts are in different units (" + content.unit + ", " + other +
-                                 "); each is read in its own");
-      break;
-    }
-  }
-  transfer_all(reader, content, progress);
-
-  std::vector<std::string> lost;
-  for_each_entity(reader, [&](const Handle(Standard_Transient) & entity, const TopoDS_Shape& result) {
-    const bool is_face = entity->IsKind(STANDARD_TYPE(StepShape_FaceSurface));
-    const bool is_solid = entity->IsKind(STANDARD_TYPE(StepShape_SolidModel));
-    if (!is_face && !is_solid) return;
-    const auto item = Handle(StepRepr_RepresentationItem)::DownCast(entity);
-    const std::string name = item.IsNull() || item->Name().IsNull() ? "" : item->Name()->ToCString();
-    if (is_solid && !result.IsNull() && !name.empty()) content.solid_names.push_back(name);
-    if (!is_face) return;
-    if (result.IsNull()) lost.push_back('#' + std::to_string(reader.Model()->Number(entity)));
-    if (!result.IsNull() && !name.empty()) names.set(result, name);
-  });
-  warn_of_lost_faces(lost, content);
-  return content;
-}
-
-FileContent read_iges(const std::string& file, FaceNames& names, Progress& progress) {
-  const KernelScope scope(KernelScope::Parameters{{"xstep.cascade.unit", "MM"}});
-  FileContent content{.file = file, .format = "IGES"};
-  IGESControl_Reader reader;
-  IFSelect_ReturnStatus status = IFSelect_RetFail;
-  const std::string failure = failure_of([&] { status = reader.ReadFile(file.c_str()); });
-  const auto model = reader.IGESModel();
-  if (!failure.empty() || status != IFSelect_RetDone || model.IsNull()) {
-    throw input_error(
-        file, 0, "the IGES data cannot be parsed" + (failure.empty() ? first_failure(scope) : ": " + failure),
-        "export the file again from the CAD system");
-  }
-  const Handle(TCollection_HAsciiString) unit = model->GlobalSection().UnitName();
-  content.unit = unit.IsNull() ? "" : unit_name(unit->ToCString());
-  content.unit_in_metres = 1e-3 * model->GlobalSection().UnitValue();
-  transfer_all(reader, content, progress);
-
-  std::vector<std::string> lost;
-  for_each_entity(reader, [&](const Handle(Standard_Transient) & item, const TopoDS_Shape& result) {
-    const auto entity = Handle(IGESData_IGESEntity)::DownCast(item);
-    if (entity.IsNull()) return;
-    const int type = entity->TypeNumber();
-    const bool is_face = type == 143 || type == 144 || type == 510;  // bounded, trimmed, B-rep face
-    if (is_face && result.IsNull()) {
-      lost.push_back("at directory line " + std::to_string(2 * model->Number(entity) - 1));
-    }
-    if (!result.IsNull() && entity->HasName() && !entity->NameValue().IsNull()) {
-      std::string name = entity->NameValue()->ToCString();
-      std::erase(name, ' ');
-      if (name.empty()) return;
-      for (TopExp_Explorer it(result, TopAbs_FACE); it.More(); it.Next()) names.set(it.Current(), name);
-    }
-  });
-  warn_of_lost_faces(lost, content);
-  return content;
-}
-
-FileContent read_brep(const std::string& file, const std::string& cad_unit, Progress& progress) {
+RawContent read_brep(const std::string& file, const std::string& cad_unit, Progress& progress) {
   const KernelScope scope;
-  FileContent content{.file = file, .format = "BREP", .shape_unit = 1.0};
+  RawContent raw{.content = {.file = file, .format = "BREP", .shape_unit = 1.0}};
+  FileContent& content = raw.content;
   BRep_Builder builder;
   bool done = false;
   const Handle(KernelProgress) bridge = new KernelProgress(progress, "read " + file);
@@ -221,27 +141,7 @@ FileContent read_brep(const std::string& file, const std::string& cad_unit, Prog
     content.warnings.emplace_back(
         "the file states no unit: its numbers are taken as metres (--cad-unit overrules that)");
   }
-  return content;
-}
-
-}  // namespace
-
-void FaceNames::set(const TopoDS_Shape& face, std::string name) {
-  names_[face.TShape().get()] = {face.TShape(), std::move(name)};
-}
-
-const std::string& FaceNames::of(const TopoDS_Shape& face) const {
-  static const std::string none;
-  const auto found = names_.find(face.TShape().get());
-  return found == names_.end() ? none : found->second.name;
-}
-
-void FaceNames::inherit(const TopoDS_Shape& from, const TopoDS_Shape& to) {
-  const std::string name = of(from);
-  if (name.empty() || to.IsNull()) return;
-  for (TopExp_Explorer it(to, TopAbs_FACE); it.More(); it.Next()) {
-    if (of(it.Current()).empty()) set(it.Current(), name);
-  }
+  return raw;
 }
 
 double metres_per_unit(const std::string& unit) {
@@ -249,27 +149,28 @@ double metres_per_unit(const std::string& unit) {
   return known == nullptr ? 0 : known->metres;
 }
 
-FileContent read_cad_file(const std::string& file, const std::string& cad_unit, FaceNames& names,
+FileContent read_cad_file(const std::string& file, const std::string& cad_unit, FaceLabels& labels,
                           Progress& progress) {
   progress.step("read " + file, 0.0);
   if (!cad_unit.empty() && metres_per_unit(cad_unit) <= 0) {
     throw Error(ErrorKind::usage, "unknown CAD unit '" + cad_unit + "'", "use m, mm, cm, in or ft");
   }
   const Sniff sniff = sniff_cad_file(file);
-  FileContent content;
+  RawContent raw;
   switch (sniff.format) {
     case CadFormat::step:
-      content = read_step(file, names, progress);
+      raw = read_step(file, progress);
       break;
     case CadFormat::iges:
-      content = read_iges(file, names, progress);
+      raw = read_iges(file, progress);
       break;
     case CadFormat::brep:
-      content = read_brep(file, cad_unit, progress);
+      raw = read_brep(file, cad_unit, progress);
       break;
     case CadFormat::unknown:
       throw input_error(file, 0, sniff.problem, formats_hint);
   }
+  FileContent& content = raw.content;
   if (content.format == "STEP") content.unit_in_metres = metres_per_unit(content.unit);
   if (!(content.unit_in_metres > 0)) {
     // The kernel converts with the file's own factor; only overruling it needs to know that factor.
@@ -292,7 +193,19 @@ FileContent read_cad_file(const std::string& file, const std::string& cad_unit, 
                                              : "no surface in it (only curves or points)",
                       "export solids or surfaces, not a wire frame");
   }
-  return content;
+  number_faces(raw, labels);
+  return std::move(raw.content);
+}
+
+FileContent content_of(const TopoDS_Shape& shape, FaceLabels& labels) {
+  RawContent raw;
+  raw.content.file = std::string("(built in code)");
+  raw.content.format = std::string("BREP");
+  raw.content.unit = std::string("m");
+  raw.content.shape_unit = 1;
+  raw.content.shape = shape;
+  number_faces(raw, labels);
+  return std::move(raw.content);
 }
 
 }  // namespace flowcage::occ

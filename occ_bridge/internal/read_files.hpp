@@ -2,29 +2,12 @@
 #include <TopoDS_Shape.hxx>
 #include <span>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 #include "core/base/progress.hpp"
+#include "occ_bridge/internal/face_labels.hpp"
 
 namespace flowcage::occ {
-
-/// Names given by the file to faces, kept through the operations that replace faces.
-class FaceNames {
- public:
-  void set(const TopoDS_Shape& face, std::string name);
-  /// "" where there is none. Location and orientation of `face` do not matter.
-  const std::string& of(const TopoDS_Shape& face) const;
-  /// Faces of `to` that have no name yet take that of `from`.
-  void inherit(const TopoDS_Shape& from, const TopoDS_Shape& to);
-
- private:
-  struct Named {
-    Handle(TopoDS_TShape) key;  // keeps the address taken for as long as it is a key
-    std::string name;
-  };
-  std::unordered_map<const TopoDS_TShape*, Named> names_;
-};
 
 /// What one file holds.
 struct FileContent {
@@ -33,7 +16,7 @@ struct FileContent {
   std::string unit{};                      ///< as the file says; "" where it says none (BREP)
   double unit_in_metres = 1;               ///< of `unit`, or of the user's unit where that overrules it
   double shape_unit = 1e-3;                ///< metres per length unit of `shape`
-  TopoDS_Shape shape{};                    ///< solids, shells, faces
+  TopoDS_Shape shape{};                    ///< solids, shells, faces; no two of its faces share geometry
   std::vector<std::string> solid_names{};  ///< those that are not empty
   std::vector<std::string> warnings{};
 };
@@ -42,9 +25,13 @@ struct FileContent {
 double metres_per_unit(const std::string& unit);
 
 /// Reads one file, whatever its extension: STEP, IGES or OpenCASCADE's BREP by its content. `cad_unit` ""
-/// takes the file's unit. Faces that cannot be converted cost a warning each. Throws Error(input) for a file
-/// that is missing, a folder, empty, of another kind, cut off, or without a surface.
-FileContent read_cad_file(const std::string& file, const std::string& cad_unit, FaceNames& names,
+/// takes the file's unit. Its faces are numbered on from `labels.count()`. Faces that cannot be converted
+/// cost a warning each. Throws Error(input) for a file that is missing, a folder, empty, of another kind, cut
+/// off, or without a surface.
+FileContent read_cad_file(const std::string& file, const std::string& cad_unit, FaceLabels& labels,
                           Progress& progress);
+
+/// The same for a shape that is there already.
+FileContent content_of(const TopoDS_Shape& shape, FaceLabels& labels);
 
 }  // namespace flowcage::occ

@@ -119,12 +119,13 @@ class SplitAt : public ShapeUpgrade_SplitSurface {
 
 }  // namespace
 
-TopoDS_Shape split_kinks(const TopoDS_Shape& shape, double angle, FaceNames& names,
+TopoDS_Shape split_kinks(const TopoDS_Shape& shape, double angle, FaceLabels& labels,
                          std::vector<std::string>& warnings) {
   TopTools_IndexedMapOfShape faces;
   TopExp::MapShapes(shape, TopAbs_FACE, faces);
   const Handle(ShapeBuild_ReShape) context = new ShapeBuild_ReShape;
-  int split = 0, first = 0;
+  int split = 0;
+  std::string first;
   for (int i = 1; i <= faces.Extent(); ++i) {
     const TopoDS_Face face = TopoDS::Face(faces(i));
     KnotLines lines;
@@ -139,21 +140,25 @@ TopoDS_Shape split_kinks(const TopoDS_Shape& shape, double angle, FaceNames& nam
       divide.Perform();
       const TopoDS_Shape parts = divide.Result();
       if (parts.IsNull() || divide.Status(ShapeExtend_FAIL)) throw Standard_Failure("no result");
-      names.inherit(face, parts);
+      labels.inherit(face, parts);
       context->Replace(face.Oriented(TopAbs_FORWARD), parts);
     });
     if (!failure.empty()) {
-      warnings.push_back(
-          fmt::format("face {} could not be examined for or split at its kinks ({})", i, failure));
+      warnings.push_back(fmt::format("{} could not be examined for or split at its kinks ({})",
+                                     labels.word_for(face), failure));
     } else if (!lines.empty()) {
       ++split;
-      if (split == 1) first = i;
+      if (split == 1) first = labels.word_for(face);
     }
   }
   if (split == 0) return shape;
   warnings.push_back(fmt::format(
-      "{} face(s) (the first is number {}) have kinks along knot lines inside: split there", split, first));
-  return context->Apply(shape);
+      "{} face(s) (the first is {}) have kinks along knot lines inside: split there", split, first));
+  const TopoDS_Shape result = context->Apply(shape);
+  for (int i = 1; i <= faces.Extent(); ++i) {  // neighbours whose edges were split with a face
+    labels.inherit(faces(i), context->Apply(faces(i)));
+  }
+  return result;
 }
 
 }  // namespace flowcage::occ

@@ -55,7 +55,7 @@ class Joined {
 }  // namespace
 
 void triangulate_faces(const TopoDS_Shape& shape, const TessellateSettings& settings,
-                       std::vector<std::string>& warnings, Progress& progress) {
+                       const FaceLabels& labels, CadSummary& summary, Progress& progress) {
   IMeshTools_Parameters parameters;
   parameters.Deflection = settings.deflection;
   parameters.Angle = settings.angle_degrees * std::numbers::pi / 180;
@@ -77,9 +77,10 @@ void triangulate_faces(const TopoDS_Shape& shape, const TessellateSettings& sett
       if (has_triangles(face)) break;
     }
     if (has_triangles(face)) continue;
-    warnings.push_back(fmt::format("face {} {} has no triangulation{}: it is left out of the target", f + 1,
-                                   place_of(face, settings.scale),
-                                   reason.empty() ? "" : " (" + reason + ")"));
+    summary.bad_faces.push_back(labels.of(face).number);
+    summary.warnings.push_back(fmt::format("{} {} has no triangulation{}: it is left out of the target",
+                                           labels.word_for(face), place_of(face, settings.scale),
+                                           reason.empty() ? "" : " (" + reason + ")"));
   }
 }
 

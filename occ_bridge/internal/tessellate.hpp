@@ -6,6 +6,7 @@
 #include "core/base/progress.hpp"
 #include "core/target/target_surface.hpp"
 #include "occ_bridge/internal/face_edges.hpp"
+#include "occ_bridge/internal/face_labels.hpp"
 
 namespace flowcage::occ {
 
@@ -16,9 +17,9 @@ struct TessellateSettings {
 };
 
 /// Stores a triangulation in every face of the shape. A face that cannot be triangulated costs a warning
-/// that gives its number and place.
+/// that gives its number and place, and is one of the summary's bad faces.
 void triangulate_faces(const TopoDS_Shape& shape, const TessellateSettings& settings,
-                       std::vector<std::string>& warnings, Progress& progress);
+                       const FaceLabels& labels, CadSummary& summary, Progress& progress);
 
 /// The triangles of all faces, numbered as in `topology`, in metres (`scale` metres per length unit).
 /// Points along edges are shared by the faces on both sides. Precondition: triangulate_faces.

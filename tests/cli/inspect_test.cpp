@@ -4,6 +4,7 @@
 #include "occ_bridge/shapes.hpp"
 #include "tests/catch.hpp"
 #include "tests/cli/run_program.hpp"
+#include "tests/occ_bridge/labelled_cad.hpp"
 
 using namespace flowcage;
 
@@ -55,4 +56,85 @@ TEST_CASE("inspect refuses what is no CAD with exit code 3 and a remedy") {
     CHECK(run.err.find(std::string("flowcage: ") + name + ": ") != std::string::npos);
   }
   CHECK(folder.entries() == std::vector<std::string>{"letter.step"});
+}
+
+TEST_CASE("inspect shows what faces can be chosen by, and --include and --exclude choose") {
+  const WorkFolder folder;
+  write_tagged({{.shape = make_box({1, 1, 1}), .tag = {.name = "hull", .color = "#336699", .layer = "wet"}},
+                {.shape = make_cylinder(0.1, 3), .tag = {.name = "mast", .layer = "dry"}}},
+               (folder.path() / "boat.step").string());
+  const ProgramRun all =
+      run_flowcage({"inspect", "boat.step", "--json", "all.json"}, {.folder = folder.path()});
+  REQUIRE(all.exit_code == 0);
+  for (const char* line : {"hull  6 faces", "mast  3 faces", "wet  6 faces", "#336699  6 faces"}) {
+    CAPTURE(line, all.out);
+    CHECK(all.out.find(line) != std::string::npos);
+  }
+  const nlohmann::json cad = nlohmann::json::parse(folder.text_of("all.json"))["cad"];
+  CHECK(cad["parts"]["hull"] == 6);
+  CHECK(cad["face_list"].size() == 9);
+  CHECK(cad["face_list"][0]["number"] == 1);
+  CHECK(cad["face_list"][0]["layer"] == "wet");
+
+  const ProgramRun mast = run_flowcage(
+      {"inspect", "boat.step", "--exclude", "layer:wet", "--json", "mast.json"}, {.folder = folder.path()});
+  CHECK(mast.exit_code == 0);
+  CHECK(mast.out.find("6 left out") != std::string::npos);
+  const nlohmann::json rest = nlohmann::json::parse(folder.text_of("mast.json"))["cad"];
+  CHECK(rest["faces"] == 3);
+  CHECK(rest["face_list"][0]["number"] == 7);
+  CHECK(rest["bbox"][1][2].get<double>() == Approx(3));
+
+  const ProgramRun two = run_flowcage({"inspect", "boat.step", "--include", "face:1", "--include", "face:2"},
+                                      {.folder = folder.path()});
+  CHECK(two.exit_code == 0);
+  CHECK(two.out.find("7 left out") != std::string::npos);
+
+  const ProgramRun wrong =
+      run_flowcage({"inspect", "boat.step", "--include", "hul"}, {.folder = folder.path()});
+  CHECK(wrong.exit_code == 2);
+  CHECK(wrong.err.find("--include \"hul\": it matches no face") != std::string::npos);
+  CHECK(wrong.err.find("did you mean \"hull\"?") != std::string::npos);
+  CHECK(wrong.err.find("part:mast (3 faces)") != std::string::npos);
+  CHECK(run_flowcage({"inspect", "boat.step", "--include", ""}, {.folder = folder.path()}).exit_code == 2);
+}
+
+TEST_CASE("inspect says what an open border is") {
+  const WorkFolder folder;
+  write_cad(make_onera_m6(), (folder.path() / "wing.step").string(), "mm");
+  const ProgramRun run =
+      run_flowcage({"inspect", "wing.step", "--json", "wing.json"}, {.folder = folder.path()});
+  REQUIRE(run.exit_code == 0);
+  CHECK(run.out.find("symmetry plane, waterline or open end in y = ") != std::string::npos);
+  const nlohmann::json borders = nlohmann::json::parse(folder.text_of("wing.json"))["cad"]["open_borders"];
+  REQUIRE(borders.size() == 1);
+  CHECK(borders[0]["kind"] == "plane");
+  CHECK(borders[0]["axis"] == "y");
+  CHECK(borders[0]["value"].get<double>() == Approx(0).margin(1e-9));
+}
+
+TEST_CASE("inspect --report: one page that needs nothing else, and names stay text") {
+  const WorkFolder folder;
+  write_tagged({{.shape = make_onera_m6(), .tag = {.name = "<script>alert(1)</script>"}},
+                {.shape = make_box({0.1, 0.1, 0.1}), .tag = {.name = "a & \"b\""}}},
+               (folder.path() / "wing.step").string());
+  const ProgramRun run =
+      run_flowcage({"inspect", "wing.step", "--report", "wing.html"}, {.folder = folder.path()});
+  REQUIRE(run.exit_code == 0);
+  const std::string page = folder.text_of("wing.html");
+  CHECK(page.find("<script") == std::string::npos);
+  CHECK(page.find("&lt;script&gt;alert(1)&lt;/script&gt;") != std::string::npos);
+  CHECK(page.find("a &amp; &quot;b&quot;") != std::string::npos);
+  CHECK(page.find("src=") == std::string::npos);
+  CHECK(page.find("href=") == std::string::npos);
+  CHECK(page.find("symmetry plane, waterline or open end in y = ") != std::string::npos);
+  std::size_t pictures = 0, triangles = 0, borders = 0;
+  for (std::size_t at = 0; (at = page.find("<svg", at)) != std::string::npos; ++at) ++pictures;
+  for (std::size_t at = 0; (at = page.find("<path", at)) != std::string::npos; ++at) ++triangles;
+  for (std::size_t at = 0; (at = page.find("<polyline", at)) != std::string::npos; ++at) ++borders;
+  CHECK(pictures == 3);
+  CHECK(triangles > 3 * 100);
+  CHECK(borders == 3 * 2);  // upper and lower side at the root
+  CHECK(run_flowcage({"inspect", "wing.step", "--report", "none/x.html"}, {.folder = folder.path()})
+            .exit_code == 5);
 }

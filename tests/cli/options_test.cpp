@@ -5,8 +5,8 @@
 #include <iterator>
 #include <set>
 
-#include "cli/suggestion.hpp"
 #include "core/base/error.hpp"
+#include "core/base/suggestion.hpp"
 #include "tests/catch.hpp"
 
 using namespace flowcage;

@@ -1,4 +1,4 @@
-#include "cli/suggestion.hpp"
+#include "core/base/suggestion.hpp"
 
 #include <algorithm>
 
