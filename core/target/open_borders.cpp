@@ -58,9 +58,11 @@ class Finder {
 
   std::vector<OpenBorder> find() {
     for (const Loop& loop : loops_) judge_plane_of_loop(loop);
-    judge_axis_planes();
+    for (const Loop& loop : loops_) judge_small(loop);
     for (std::size_t c = 0; c < chains_.size(); ++c) judge_gap(c);
-    for (const Loop& loop : loops_) judge_small_or_hole(loop);
+    for (const Loop& loop : loops_) judge_ends_of_gaps(loop);
+    judge_axis_planes();
+    for (const Loop& loop : loops_) judge_hole(loop);
     return runs();
   }
 
@@ -217,7 +219,7 @@ class Finder {
     for (const Step& step : loop.steps) {
       if (!faces_leave(chains_[step.chain], *plane)) return;
     }
-    for (const Step& step : loop.steps) decide(step.chain, {.kind = BorderKind::plane, .plane = plane});
+    decide_all(loop, {.kind = BorderKind::plane, .plane = plane});
   }
 
   /// A chain may be in two of the planes (a vertical stem): the plane with most to claim chooses first.
@@ -286,32 +288,51 @@ class Finder {
     if (10 * near >= 8 * count) decide(c, {.kind = BorderKind::gap, .width = width});
   }
 
-  void judge_small_or_hole(const Loop& loop) {
-    std::vector<std::size_t> rest;
-    for (const Step& step : loop.steps) {
-      if (!decided_[step.chain]) rest.push_back(step.chain);
-    }
-    if (rest.size() < loop.steps.size() || !loop.closed) return;
-    const std::vector<Vec3> points = points_of(loop);
-    Box3 bounds;
-    for (const Vec3& p : points) bounds.extend(p);
-    const double extent = bounds.diagonal().norm();
-    const std::optional<Plane> plane = plane_through(points);
-    if (extent <= settings_.gap_width * diagonal_) {
-      for (const std::size_t c : rest) decide(c, {.kind = BorderKind::gap, .width = extent});
-    } else if (plane && !surface_fills(points, *plane, extent)) {
-      for (const std::size_t c : rest) decide(c, {.kind = BorderKind::hole, .plane = plane});
+  /// The short edge between the two sides of a slit.
+  void judge_ends_of_gaps(const Loop& loop) {
+    const std::size_t count = loop.steps.size();
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto c = static_cast<std::size_t>(loop.steps[i].chain);
+      if (decided_[c] || chains_[c].length > settings_.gap_width * diagonal_) continue;
+      if (!loop.closed && (i == 0 || i + 1 == count)) continue;
+      const Verdict& before = verdicts_[loop.steps[(i + count - 1) % count].chain];
+      const Verdict& after = verdicts_[loop.steps[(i + 1) % count].chain];
+      if (before.kind == BorderKind::gap && after.kind == BorderKind::gap) decide(c, before);
     }
   }
 
+  bool undecided(const Loop& loop) const {
+    return std::ranges::none_of(loop.steps, [&](const Step& step) { return decided_[step.chain]; });
+  }
+  void decide_all(const Loop& loop, const Verdict& verdict) {
+    for (const Step& step : loop.steps) decide(step.chain, verdict);
+  }
+
+  void judge_small(const Loop& loop) {
+    Box3 bounds;
+    for (const Step& step : loop.steps) bounds.extend(chains_[step.chain].bounds);
+    const double extent = bounds.diagonal().norm();
+    if (!loop.closed || !undecided(loop) || extent > settings_.gap_width * diagonal_) return;
+    decide_all(loop, {.kind = BorderKind::gap, .width = extent});
+  }
+
+  void judge_hole(const Loop& loop) {
+    if (!loop.closed || !undecided(loop)) return;
+    const std::vector<Vec3> points = points_of(loop);
+    const std::optional<Plane> plane = plane_through(points);
+    if (plane && !surface_fills(points, *plane)) decide_all(loop, {.kind = BorderKind::hole, .plane = plane});
+  }
+
   /// The surface goes on in the plane on the inner side of the loop: then the loop is its rim.
-  bool surface_fills(const std::vector<Vec3>& points, const Plane& plane, double extent) const {
+  bool surface_fills(const std::vector<Vec3>& points, const Plane& plane) const {
+    Box3 bounds;
+    for (const Vec3& p : points) bounds.extend(p);
     Vec3 area = Vec3::Zero();
     for (std::size_t i = 0; i < points.size(); ++i) {
       area += points[i].cross(points[(i + 1) % points.size()]);
     }
     const double turn = area.dot(plane.normal) > 0 ? 1 : -1;
-    const double step = 1e-3 * extent;
+    const double step = 1e-3 * bounds.diagonal().norm();
     std::vector<Vec3> queries;
     for (std::size_t i = 0; i < points.size(); ++i) {
       const Vec3 along = points[(i + 1) % points.size()] - points[i];

@@ -36,12 +36,14 @@ struct BorderSettings {
   double gap_width = 1e-2;  ///< borders nearer to each other than this may be the sides of a gap
 };
 
-/// Tells the boundary chains of a model apart. A chain is
-/// - a plane's where all of it lies in one plane that no point of the tessellation is beyond, and the faces
-///   beside it leave that plane (axis planes first, then the plane of a whole loop);
-/// - else a gap's where 8 of 10 of its points have another chain beside them that runs their way, within the
-///   gap width and within a twentieth of its length; or where its whole loop is smaller than the gap width;
-/// - else a hole's where its whole loop is closed and in a plane that the surface does not fill inside it;
+/// Tells the boundary chains of a model apart. In this order, a chain is
+/// - a plane's where its whole loop lies in one plane that no point of the tessellation is beyond, and the
+///   faces beside it leave that plane;
+/// - a gap's where its closed loop is smaller than the gap width; or where 8 of 10 of its points have another
+///   chain beside them that runs their way, within the gap width and within a twentieth of its length; or
+///   where it is shorter than the gap width between two such sides;
+/// - a plane's where it alone lies in an axis plane at the model's bounds, and the faces beside it leave it;
+/// - a hole's where its whole loop is closed and in a plane that the surface does not fill inside it;
 /// - else a sheet's.
 /// Loops with one kind throughout become one border, others one a run of chains of one kind (a half hull:
 /// symmetry plane along keel and stems, waterline along the deck).

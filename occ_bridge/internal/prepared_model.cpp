@@ -116,6 +116,7 @@ PreparedModel prepare_model(std::vector<FileContent> contents, FaceLabels& label
   const TopoDS_Shape bared = without_slivers(sewn.shape, sliver * rough, labels, summary.warnings);
   if (!bared.IsSame(sewn.shape)) {
     sewn = sew_open_parts(bared, sewing, labels, summary.warnings, progress);
+    summary.free_edges_sewn = sewn.free_edges;
     summary.sewing_tolerance = std::max(summary.sewing_tolerance, sewn.tolerance * working.metres);
   }
 

@@ -99,7 +99,8 @@ class Document {
 void write_tagged(const std::vector<TaggedPart>& parts, const std::string& file, const std::string& unit) {
   const std::lock_guard lock(occ_globals_mutex());
   silence_occ();
-  const InterfaceSettings settings({{"xstep.cascade.unit", "MM"}, {"write.step.unit", unit}});
+  const InterfaceSettings settings(
+      {{"xstep.cascade.unit", "MM"}, {"write.step.unit", unit}, {"write.iges.unit", unit}});
   Interface_Static::SetIVal("write.stepcaf.subshapes.name", 1);
   Document document;
   document.add(parts);
@@ -108,7 +109,7 @@ void write_tagged(const std::vector<TaggedPart>& parts, const std::string& file,
     STEPCAFControl_Writer writer;
     done = writer.Transfer(document.get()) && writer.Write(file.c_str()) == IFSelect_RetDone;
   } else {
-    IGESCAFControl_Writer writer(unit.c_str());
+    IGESCAFControl_Writer writer;
     done = writer.Transfer(document.get()) && writer.Write(file.c_str());
   }
   Interface_Static::SetIVal("write.stepcaf.subshapes.name", 0);
