@@ -21,7 +21,7 @@ struct CadReadSettings {
   double deflection = 1e-3;                                 ///< of the tessellation from the exact surface
   double tessellation_angle_degrees = 15;
   /// For reading and repairing, as damaged files can keep the kernel busy for ever: so long, and longer with
-  /// the files' size. (The slowest of 39 real files took 2 s for its megabyte.)
+  /// the files' size. (The slowest of 39 real files took 3 s of CPU time.)
   double time_limit_seconds = 40, time_limit_per_megabyte = 60;
   /// Which faces are taken, by name, layer, colour or number (docs/cad.md): those that match an `include`
   /// (all where there is none) and no `exclude`.

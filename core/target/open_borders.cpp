@@ -61,8 +61,8 @@ class Finder {
     for (const Loop& loop : loops_) judge_small(loop);
     for (std::size_t c = 0; c < chains_.size(); ++c) judge_gap(c);
     for (const Loop& loop : loops_) judge_ends_of_gaps(loop);
+    for (const Loop& loop : loops_) judge_rim_or_hole(loop);
     judge_axis_planes();
-    for (const Loop& loop : loops_) judge_hole(loop);
     return runs();
   }
 
@@ -316,11 +316,17 @@ class Finder {
     decide_all(loop, {.kind = BorderKind::gap, .width = extent});
   }
 
-  void judge_hole(const Loop& loop) {
+  /// A closed loop in a plane is the rim of what fills it, or a hole.
+  void judge_rim_or_hole(const Loop& loop) {
     if (!loop.closed || !undecided(loop)) return;
     const std::vector<Vec3> points = points_of(loop);
     const std::optional<Plane> plane = plane_through(points);
-    if (plane && !surface_fills(points, *plane)) decide_all(loop, {.kind = BorderKind::hole, .plane = plane});
+    if (!plane) return;
+    if (surface_fills(points, *plane)) {
+      decide_all(loop, {.kind = BorderKind::sheet});
+    } else {
+      decide_all(loop, {.kind = BorderKind::hole, .plane = plane});
+    }
   }
 
   /// The surface goes on in the plane on the inner side of the loop: then the loop is its rim.

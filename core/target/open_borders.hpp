@@ -42,8 +42,8 @@ struct BorderSettings {
 /// - a gap's where its closed loop is smaller than the gap width; or where 8 of 10 of its points have another
 ///   chain beside them that runs their way, within the gap width and within a twentieth of its length; or
 ///   where it is shorter than the gap width between two such sides;
+/// - where its whole loop is closed and in a plane: a sheet's if the surface fills it, else a hole's;
 /// - a plane's where it alone lies in an axis plane at the model's bounds, and the faces beside it leave it;
-/// - a hole's where its whole loop is closed and in a plane that the surface does not fill inside it;
 /// - else a sheet's.
 /// Loops with one kind throughout become one border, others one a run of chains of one kind (a half hull:
 /// symmetry plane along keel and stems, waterline along the deck).
