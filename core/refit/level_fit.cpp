@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <cmath>
-#include <limits>
 
 namespace flowcage {
 namespace {
@@ -26,92 +24,6 @@ CglsSettings pass_cgls(const FitSettings& settings) {
   return cgls;
 }
 
-/// Creases alone, before the surface: their limit curves depend on their own vertices, so that passes cost
-/// next to nothing and can go on until the places on the CAD's edges are the best ones.
-class CreasePasses {
- public:
-  CreasePasses(const LevelFitInput& input, const CglsSettings& cgls) : input_(input), cgls_(cgls) {
-    for (const StageSystem& stage : input.level.system.stages) {
-      if (stage.stage != SolveStage::interior) creases_.stages.push_back(stage);
-    }
-  }
-
-  /// Replaces both by the best found; returns the number of CGLS steps.
-  int run(std::vector<Vec3>& control_points, ChainPlaces& places) {
-    int iterations = 0;
-    double best = std::numeric_limits<double>::infinity();
-    std::vector<Vec3> points = control_points;
-    ChainPlaces at = places;
-    for (int pass = 0; pass < max_passes; ++pass) {
-      place(at);
-      HierarchicalResult solved =
-          solve_hierarchical(creases_, targets_, points, cgls_, {{tangents_, tangential_weight, 1}, {}});
-      iterations += solved.iterations;
-      points = std::move(solved.control_points);
-      impose_planes(input_.planes, input_.level.chains, points);
-      find_limits(points);
-      at = slid_places(input_.level, input_.match, input_.target, at, limits_);
-      place(at);
-      const double error = mean_error();
-      if (!(error < least_gain * best)) break;
-      best = error;
-      control_points = points;
-      places = at;
-    }
-    return iterations;
-  }
-
- private:
-  static constexpr int max_passes = 40;
-  static constexpr double tangential_weight = 0.03, least_gain = 0.98;
-
-  /// Targets and tangents of the creases' samples at these places.
-  void place(const ChainPlaces& places) {
-    const LevelSystem& level = input_.level;
-    targets_.assign(static_cast<std::size_t>(level.sample_count()), Vec3::Zero());
-    tangents_ = targets_;
-    for (const StageSystem& stage : creases_.stages) {
-      for (const Index i : stage.rows) {
-        if (level.kind[i] == SampleKind::fixed) targets_[i] = level.fixed_position[i];
-        if (level.kind[i] != SampleKind::chain) continue;
-        const Index chain = level.sample_chain[i];
-        const CurvePoint at = point_on_path(input_.target, input_.match.chains[chain].path,
-                                            places[chain][level.sample_on_chain[i]]);
-        targets_[i] = at.position;
-        tangents_[i] = at.tangent;
-      }
-    }
-  }
-
-  void find_limits(const std::vector<Vec3>& points) {
-    limits_ = apply_stencils(input_.level.samples.position, points);
-  }
-
-  /// Mean square distance from the paths, across them.
-  double mean_error() const {
-    double sum = 0;
-    for (std::size_t i = 0; i < targets_.size(); ++i) {
-      if (tangents_[i].isZero(0)) continue;
-      const Vec3 off = limits_[i] - targets_[i];
-      sum += (off - tangents_[i] * tangents_[i].dot(off)).squaredNorm();
-    }
-    return std::sqrt(sum);
-  }
-
-  const LevelFitInput& input_;
-  const CglsSettings& cgls_;
-  HierarchicalSystem creases_;
-  std::vector<Vec3> targets_, tangents_, limits_;
-};
-
-/// True where a chain matched features and no crease has failed to: what creases alone can be fitted to.
-bool has_creases_alone(const LevelSystem& level) {
-  for (Index i = 0; i < level.sample_count(); ++i) {
-    if (level.kind[i] == SampleKind::chain && level.mirror_axis[i] < 0) return true;
-  }
-  return false;
-}
-
 /// What the passes go through: relaxed passes, then one phase for each weight (point distance: one phase).
 class LevelPasses {
  public:
@@ -122,13 +34,7 @@ class LevelPasses {
   void run(const std::vector<Vec3>& control_points, int relaxing) {
     const bool tangent = input_.settings.tangent_distance;
     mode_ = {relaxing > 0 ? 0.5 : 0, false};
-    FitPass start;
-    start.places = input_.level.places;
-    std::vector<Vec3> points = control_points;
-    if (tangent && has_creases_alone(input_.level)) {
-      result_.iterations += CreasePasses(input_, cgls_).run(points, start.places);
-    }
-    best() = evaluate_pass(input_.level, input_.match, input_.target, points, mode_, &start);
+    best() = evaluate_pass(input_.level, input_.match, input_.target, control_points, mode_, nullptr);
     for (int pass = 1; pass < relaxing; ++pass) {
       if (!improve({}, 2.0)) break;  // relaxation asks too much here: go on without it
     }
