@@ -38,8 +38,8 @@ struct SmoothSector {
 /// (from it).
 void list_sectors(const LimitRing& ring, std::vector<SmoothSector>& sectors);
 
-/// Whether the vertex leaves the limit surface over the sector's faces plain bicubics, that is: four faces round
-/// a smooth vertex, two in a crease's sector, one in a corner's.
+/// Whether the vertex leaves the limit surface over the sector's faces plain bicubics, that is: four faces
+/// round a smooth vertex, two in a crease's sector, one in a corner's.
 bool is_regular(const LimitRing& ring, const SmoothSector& sector);
 
 /// Position. The weights sum to 1.

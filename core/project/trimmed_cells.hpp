@@ -24,8 +24,8 @@ struct PatchCell {
   double normal_cosine = -1;        ///< of its half angle; -1: any direction
   Index patch = 0;
   bool at_open_side = false;  ///< on a side of the patch that no border curve covers
-  Offset first_segment = 0;  ///< of the trimming polygon, those that come near the box
-  Index segment_count = 0;   ///< 0: wholly inside of the trimming
+  Offset first_segment = 0;   ///< of the trimming polygon, those that come near the box
+  Index segment_count = 0;    ///< 0: wholly inside of the trimming
   Vec2 reference = Vec2::Zero();
   bool reference_inside = true;
 };
@@ -39,11 +39,11 @@ struct TrimmedCells {
 };
 
 struct CellSettings {
-  double flatness = 0.02;       ///< split until the deviation is below this part of the cell's diagonal
-  double max_size = 0;          ///< split until the diagonal is below
-  double max_trimmed_size = 0;  ///< the same for cells that the trimming crosses
-  double min_size = 0;          ///< never split below
-  double margin = 0;            ///< in space: segments this near to a cell belong to it
+  double flatness = 0.02;            ///< split until the deviation is below this part of the cell's diagonal
+  double max_size = 0;               ///< split until the diagonal is below
+  double max_trimmed_size = 0;       ///< the same for cells that the trimming crosses
+  double min_size = 0;               ///< never split below
+  double margin = 0;                 ///< in space: segments this near to a cell belong to it
   std::array<bool, 4> open_sides{};  ///< of the patch, u low, u high, v low, v high: not covered by curves
   int max_depth = 32;
 };

@@ -14,7 +14,7 @@ struct FaceOutline {
   Eigen::AlignedBox2d window;         ///< of the parameter curves
   std::vector<TrimSegment> segments;  ///< all loops, without what lies on the window's border
   bool bounded = false;  ///< by edges that are curves in space: none is missing, none collapsed to a point
-  double precision = 0;               ///< in space, of the polygon against the parameter curves
+  double precision = 0;  ///< in space, of the polygon against the parameter curves
 };
 
 /// Throws Standard_Failure or Error where an edge has no parameter curve.

@@ -85,8 +85,8 @@ inline TopoDS_Shape sheet_with_holes() {
   return BRepAlgoAPI_Cut(BRepAlgoAPI_Cut(face, round).Shape(), square).Shape();
 }
 
-/// A bumpy ring of 12 x 13 cubic B-spline faces, each with a slanted round hole and a corner cut off (some fall
-/// apart into two: 216 faces).
+/// A bumpy ring of 12 x 13 cubic B-spline faces, each with a slanted round hole and a corner cut off (some
+/// fall apart into two: 216 faces).
 inline TopoDS_Shape trimmed_panels() {
   constexpr int around = 12, across = 13, grid = 8;
   const double pi = std::acos(-1.0);
