@@ -13,9 +13,10 @@
 #include "core/limit/evaluate.hpp"
 #include "core/limit/limit_stencils.hpp"
 #include "core/mesh/hex_adjacency.hpp"
-#include "core/optimise/untangle.hpp"
+#include "core/optimise/smooth_blocks.hpp"
 #include "core/subdivide/refine.hpp"
 #include "core/volume/refine_volume.hpp"
+#include "core/volume/wall_lines.hpp"
 #include "core/volume/wall_normals.hpp"
 
 namespace flowcage {
@@ -82,19 +83,34 @@ Cage as_cage(const SurfaceLevel& level, std::vector<Vec3> points, const Cage& li
 // Growth off the wall that the number of layers is chosen for where none is asked.
 constexpr double default_growth = 1.25;
 
-Index layers_at_start(const Shell& shell, const LineSpacing& spacing, int level) {
-  const double growth = spacing.first_height > 0 ? spacing.growth : default_growth;
-  return layers_for_growth(shell, level - shell.cage_level, spacing, growth);
+Index layers_at_start(const Shell& shell, int level) {
+  return layers_for_growth(shell, level - shell.cage_level, default_growth);
+}
+
+// Cells along a typical line at a level, those of the boundary layer included.
+double cells_along_line(const Shell& shell, const LayerSettings& layers, int level) {
+  const int refinements = level - shell.cage_level;
+  const Index count = layers_at_start(shell, level) << refinements;
+  if (!(layers.first_height > 0)) return count;
+  const TypicalLine line = typical_line(shell, refinements);
+  std::vector<double> lengths{0};
+  for (const double cell : geometric_cells(line.length, count, line.wall_cell, default_growth)) {
+    lengths.push_back(lengths.back() + cell);
+  }
+  return static_cast<double>(graded_cells(lengths, layers).size());
+}
+
+double cells_at_level(const Shell& shell, const LayerSettings& layers, int level) {
+  return std::ldexp(static_cast<double>(shell.wall.face_count()), 2 * (level - shell.cage_level)) *
+         cells_along_line(shell, layers, level);
 }
 
 // The level whose number of cells is nearest to the wish, in ratio.
 int level_for_cells(const Shell& shell, const VolumeSettings& settings) {
   constexpr int most_levels = 10;
   const auto distance = [&](int level) {
-    const double cells =
-        std::ldexp(static_cast<double>(shell.inner.face_count()), 3 * (level - shell.cage_level)) *
-        layers_at_start(shell, settings.spacing, level);
-    return std::abs(std::log(cells / static_cast<double>(settings.cells)));
+    return std::abs(
+        std::log(cells_at_level(shell, settings.layers, level) / static_cast<double>(settings.cells)));
   };
   int best = shell.cage_level;
   for (int level = best + 1; level <= most_levels; ++level) {
@@ -178,72 +194,60 @@ void require_planar_rim(const Shell& shell, const SurfaceFit& fit, const TargetS
       "of a half model may be open");
 }
 
-// Meshes up to this size are untangled as a whole, larger ones only round their bad cells.
+// Meshes up to this size are shaped as a whole; finer ones inherit that and are mended where need be.
 constexpr Offset whole_mesh_cells = 30000;
-
-// Inverted cells are mended before the next refinement multiplies them. Wall and outer boundary stay.
-void mend(BlockMesh& mesh, Progress& progress) {
-  if (hex_validity(mesh).inverted == 0) return;
-  RepairSettings settings;
-  std::vector<PointFreedom> per_patch(mesh.patches().size(), fixed_point);
-  for (std::size_t p = 0; p < per_patch.size(); ++p) {
-    const BoundaryPatch& patch = mesh.patches()[p];
-    if (patch.type != PatchType::symmetry || patch.quads.empty()) continue;
-    for (int axis = 0; axis < 3; ++axis) {
-      const double value = mesh.points()[patch.quads[0][0]][axis];
-      const bool flat = std::all_of(patch.quads.begin(), patch.quads.end(), [&](const auto& quad) {
-        return std::all_of(quad.begin(), quad.end(),
-                           [&](Index q) { return mesh.points()[q][axis] == value; });
-      });
-      if (flat) per_patch[p] = in_plane(axis);
-    }
-  }
-  settings.optimise.freedom = patch_freedom(mesh, per_patch);
-  mesh.mutable_points() = mesh.cell_count() <= whole_mesh_cells
-                              ? untangle(mesh, settings.optimise, progress).points
-                              : repair_cells(mesh, settings, progress).points;
-}
 
 // The blocks at the last level: refined in 3-D, the wall following the fitted control points at each level,
 // finally limit points (on the CAD if asked) on the wall and the outer surface's own limit outside.
-BlockMesh refine_to_fit(const Shell& shell, const VolumeSettings& settings, const SurfaceFit& fit,
-                        bool mend_each_level, Progress& progress) {
+BlockMesh shaped_blocks(const Shell& shell, const VolumeSettings& settings, const SurfaceFit& fit,
+                        Progress& progress) {
   const int last = static_cast<int>(fit.levels.size()) - 1;
-  BlockMesh mesh = start_volume(shell, fit.levels[shell.cage_level].control_points,
-                                layers_at_start(shell, settings.spacing, last));
+  BlockMesh mesh =
+      start_volume(shell, fit.levels[shell.cage_level].control_points, layers_at_start(shell, last));
   for (int level = shell.cage_level + 1; level <= last; ++level) {
     progress.step("volume",
                   static_cast<double>(level - shell.cage_level - 1) / (last - shell.cage_level + 1));
     mesh = refine_volume(mesh);
     const std::vector<Vec3> outer = outer_points(shell, level - shell.cage_level, false);
-    place_boundary(mesh, shell, fit.levels[level].topology, {fit.levels[level].control_points, outer});
-    if (mend_each_level) mend(mesh, progress);
+    // A far field that the optimiser slides along keeps its places; only a drawn one is told where to go.
+    const bool drawn = !shell.outer_shape || level == shell.cage_level + 1;
+    place_boundary(
+        mesh, shell, fit.levels[level].topology,
+        {fit.levels[level].control_points, drawn ? std::span<const Vec3>(outer) : std::span<const Vec3>()});
+    if (!drawn) project_outer(mesh, shell);
+    if (level == shell.cage_level + 1) spread_lines(mesh, shell);
+    if (mesh.cell_count() <= whole_mesh_cells) {
+      smooth_blocks(mesh, shell, progress);
+    } else {
+      mend_blocks(mesh, shell, progress);
+    }
   }
-  const SurfaceLevel& top = fit.levels[last].topology;
   std::vector<Vec3> wall = limit_points(fit.levels[last]);
   if (settings.snap) wall = snapped(fit, std::move(wall));
-  const std::vector<Vec3> outer = outer_points(shell, last - shell.cage_level, true);
-  place_boundary(mesh, shell, top, {wall, outer});
+  const std::vector<Vec3> outer =
+      shell.outer_shape ? std::vector<Vec3>() : outer_points(shell, last - shell.cage_level, true);
+  place_boundary(mesh, shell, fit.levels[last].topology, {wall, outer});
   return mesh;
 }
 
-struct SpacedMesh {
+struct GradedMesh {
   BlockMesh mesh;
-  SpacingReport spacing;
+  LayerReport layers;
   NormalReport normals;
   HexValidity validity;
 };
 
-// The blocks at the last level with their points spread along lines that leave the wall along its normals.
-SpacedMesh make_spaced_mesh(const Shell& shell, const VolumeSettings& settings, const SurfaceFit& fit,
-                            bool mend_each_level, Progress& progress) {
-  SpacedMesh result{refine_to_fit(shell, settings, fit, mend_each_level, progress), {}, {}, {}};
+// The shaped blocks with lines that leave the wall along its normals and, if asked, boundary layers on them.
+GradedMesh graded_mesh(const Shell& shell, const VolumeSettings& settings, const SurfaceFit& fit,
+                       Progress& progress) {
+  GradedMesh result{shaped_blocks(shell, settings, fit, progress), {}, {}, {}};
   progress.step("spacing", 0);
-  respace_lines(result.mesh, shell, settings.spacing);
   result.normals = turn_lines_to_wall(result.mesh, shell, {});
   progress.step("spacing", 0.5);
-  result.spacing = respace_lines(result.mesh, shell, settings.spacing);
-  if (mend_each_level) mend(result.mesh, progress);
+  if (settings.layers.first_height > 0) {
+    result.mesh = insert_boundary_layers(result.mesh, shell, settings.layers, result.layers);
+  }
+  mend_blocks(result.mesh, shell, progress);
   result.validity = hex_validity(result.mesh);
   return result;
 }
@@ -251,8 +255,9 @@ SpacedMesh make_spaced_mesh(const Shell& shell, const VolumeSettings& settings, 
 std::vector<PatchSummary> summarise_patches(const BlockMesh& mesh, const Shell& shell,
                                             const SurfaceLevel& top, std::span<const double> deviation,
                                             double diagonal) {
-  const std::vector<ShellLine> lines = shell_lines(shell, top);
-  const std::vector<Index> wall = layer_points(mesh, lines, 0), first = layer_points(mesh, lines, 1);
+  const std::vector<WallLine> lines = wall_lines(shell, top);
+  const std::vector<Index> wall = layer_points(mesh, shell, lines, 0);
+  const std::vector<Index> first = layer_points(mesh, shell, lines, 1);
   std::vector<double> height(mesh.points().size(), 0);
   for (std::size_t v = 0; v < wall.size(); ++v) {
     height[wall[v]] = (mesh.points()[first[v]] - mesh.points()[wall[v]]).norm();
@@ -287,6 +292,19 @@ Gate inversion_gate(const QualityReport& quality) {
                                      "(scaled Jacobian {:.3g})",
                                      quality.inverted_cells, quality.cells, worst.front().cell,
                                      worst.front().block, place(worst.front().place), worst.front().value));
+}
+
+// Cells whose corners are right but whose inside is not proved.
+Gate proof_gate(const HexValidity& validity, const HexView& mesh) {
+  Gate gate = make_gate("unproved_cells", 0, static_cast<double>(validity.uncertified), "");
+  if (!gate.holds) {
+    const LocatedCell cell = unproved_cells(mesh, 1).front();
+    gate.detail = fmt::format(
+        "the Jacobian inside {} of {} cells cannot be proved positive; the first, cell {} of block {}, is at "
+        "{}",
+        validity.uncertified, mesh.cell_count(), cell.cell, mesh.block_of(cell.cell), place(cell.centre));
+  }
+  return gate;
 }
 
 }  // namespace
@@ -333,9 +351,8 @@ VolumeResult make_volume(const Cage& cage, const TargetSurface& target, const Vo
   }
   fit_settings.levels = affordable_levels(fit_settings, shell.cage_level, cage.source, [&](int level) {
     const double faces =
-        std::ldexp(static_cast<double>(shell.inner.face_count()), 2 * (level - shell.cage_level));
-    return Demand{
-        faces, std::ldexp(faces, level - shell.cage_level) * layers_at_start(shell, settings.spacing, level)};
+        std::ldexp(static_cast<double>(shell.wall.face_count()), 2 * (level - shell.cage_level));
+    return Demand{faces, cells_at_level(shell, settings.layers, level), 0};
   });
 
   const auto fit_start = Clock::now();
@@ -345,30 +362,29 @@ VolumeResult make_volume(const Cage& cage, const TargetSurface& target, const Vo
   if (settings.outer) require_enclosure(shell, fit, settings.outer->source);
 
   const auto volume_start = Clock::now();
-  // Most meshes are valid as they come; mending every level costs minutes and is kept for those that are not.
-  SpacedMesh spaced = make_spaced_mesh(shell, settings, fit, false, progress);
-  if (spaced.validity.inverted > 0) {
-    SpacedMesh mended = make_spaced_mesh(shell, settings, fit, true, progress);
-    if (mended.validity.inverted < spaced.validity.inverted) spaced = std::move(mended);
-  }
-  BlockMesh& mesh = spaced.mesh;
+  GradedMesh graded = graded_mesh(shell, settings, fit, progress);
+  BlockMesh& mesh = graded.mesh;
 
   progress.step("quality", 0);
   const FittedLevel& last = fit.levels.back();
   const std::vector<double> wall_deviation = distances_to(target, limit_points(last));
-  const std::vector<Index> wall = layer_points(mesh, shell_lines(shell, last.topology), 0);
+  const std::vector<Index> wall = layer_points(mesh, shell, wall_lines(shell, last.topology), 0);
   std::vector<double> deviation(mesh.points().size(), 0);
   for (std::size_t v = 0; v < wall.size(); ++v) deviation[wall[v]] = wall_deviation[v];
   const double diagonal = target.diagonal();
+  TopologyBound bound = topology_bound(mesh);
   QualityReport quality = measure_quality(mesh, build_hex_adjacency(mesh), {}, &progress);
   std::vector<PatchSummary> patches = summarise_patches(mesh, shell, last.topology, deviation, diagonal);
   std::vector<Gate> gates = surface_gates(fit, settings.tolerance, diagonal);
   gates.push_back(inversion_gate(quality));
+  gates.push_back(proof_gate(graded.validity, mesh));
   return {.fit = std::move(fit),
           .mesh = std::move(mesh),
           .quality = std::move(quality),
-          .spacing = spaced.spacing,
-          .normals = spaced.normals,
+          .validity = graded.validity,
+          .bound = std::move(bound),
+          .layers = graded.layers,
+          .normals = graded.normals,
           .deviation = std::move(deviation),
           .patches = std::move(patches),
           .gates = std::move(gates),

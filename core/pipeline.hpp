@@ -5,12 +5,14 @@
 
 #include "core/base/progress.hpp"
 #include "core/blocks/farfield.hpp"
+#include "core/grade/boundary_layers.hpp"
 #include "core/mesh/block_mesh.hpp"
 #include "core/mesh/cage.hpp"
+#include "core/optimise/hex_validity.hpp"
 #include "core/quality/quality_report.hpp"
+#include "core/quality/topology_bound.hpp"
 #include "core/refit/fit_surface.hpp"
 #include "core/target/target_surface.hpp"
-#include "core/volume/wall_lines.hpp"
 #include "core/volume/wall_normals.hpp"
 
 namespace flowcage {
@@ -52,8 +54,8 @@ struct VolumeSettings {
   bool snap = true;
   std::optional<Cage> outer;  ///< none: a far field is made
   FarField farfield;
-  LineSpacing spacing;
-  Offset cells = 0;  ///< > 0: refine to the level nearest to so many cells, whatever fit.levels says
+  LayerSettings layers;  ///< first height 0: cells at the wall as high as they are wide
+  Offset cells = 0;      ///< > 0: refine to the level nearest to so many cells, whatever fit.levels says
 };
 
 /// What an engineer looks at first, per boundary patch.
@@ -69,7 +71,9 @@ struct VolumeResult {
   SurfaceFit fit;
   BlockMesh mesh;
   QualityReport quality;
-  SpacingReport spacing;
+  HexValidity validity;  ///< of the whole mesh, its cells' insides included
+  TopologyBound bound;
+  LayerReport layers;  ///< where a first height was asked for
   NormalReport normals;
   std::vector<double>
       deviation;  ///< #points; of the fitted surface from the CAD at wall points, metres, else 0

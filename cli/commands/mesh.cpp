@@ -110,10 +110,10 @@ VolumeSettings volume_settings(const Options& options, const FitInputs& inputs) 
   settings.farfield.kind = options.farfield == "sphere" ? OuterShape::Kind::sphere : OuterShape::Kind::box;
   settings.farfield.body_lengths = options.farfield_size;
   if (options.first_height) {
-    settings.spacing.first_height = *options.first_height * metres_per_unit(options.unit);
+    settings.layers.first_height = *options.first_height * metres_per_unit(options.unit);
     // Below, points of neighbouring layers would coincide in double precision.
     const double least = 1e-11 * inputs.cad.diagonal();
-    if (settings.spacing.first_height < least) {
+    if (settings.layers.first_height < least) {
       throw Error(
           ErrorKind::usage,
           fmt::format("--first-height: {:g} {} is too small for a CAD of {:.3g} m", *options.first_height,
@@ -121,8 +121,8 @@ VolumeSettings volume_settings(const Options& options, const FitInputs& inputs) 
           fmt::format("give at least {:.3g} {}", least / metres_per_unit(options.unit), options.unit));
     }
   }
-  if (options.growth) settings.spacing.growth = *options.growth;
-  if (options.layers) settings.spacing.layers = *options.layers;
+  if (options.growth) settings.layers.growth = *options.growth;
+  if (options.layers) settings.layers.layers = *options.layers;
   settings.cells = options.cells.value_or(0);
   return settings;
 }
@@ -165,10 +165,10 @@ Json report(const Options& options, const FitInputs& inputs, const VolumeResult&
   json["cage"] = cage_json(inputs, options);
   json["surface"] = surface_json(result.fit);
   json["volume"] = volume_json(result.quality);
-  json["volume"]["first_height"] = {{"min", result.spacing.min_first * scale},
-                                    {"max", result.spacing.max_first * scale},
+  json["volume"]["first_height"] = {{"min", result.layers.min_height * scale},
+                                    {"max", result.layers.max_height * scale},
                                     {"asked", options.first_height.value_or(0)}};
-  json["volume"]["max_growth"] = result.spacing.max_growth;
+  json["volume"]["max_growth"] = result.layers.max_growth;
   json["patches"] = Json::array();
   for (const PatchSummary& p : result.patches) {
     Json patch{{"name", p.name}, {"type", patch_type_name(p.type)}, {"faces", p.faces}};
@@ -184,10 +184,10 @@ Json report(const Options& options, const FitInputs& inputs, const VolumeResult&
 }
 
 /// A height that the lines have no room for is made smaller; the user must learn of it.
-void warn_of_first_height(const Options& options, const SpacingReport& spacing, Progress& progress) {
+void warn_of_first_height(const Options& options, const LayerReport& layers, Progress& progress) {
   if (!options.first_height) return;
   const double asked = *options.first_height, unit = metres_per_unit(options.unit);
-  const double low = spacing.min_first / unit, high = spacing.max_first / unit;
+  const double low = layers.min_height / unit, high = layers.max_height / unit;
   if (low > 0.99 * asked && high < 1.01 * asked) return;
   progress.warn(
       fmt::format("--first-height: {:g} {} was asked for, the cells at the wall are {:.4g} to {:.4g} {} high",
@@ -207,7 +207,7 @@ int run_mesh(const Options& options, Progress& progress) {
   const std::unique_ptr<AtomicFile> json_file = open_json(options);
 
   VolumeResult result = make_volume(inputs.cage, inputs.cad, settings, progress);
-  warn_of_first_height(options, result.spacing, progress);
+  warn_of_first_height(options, result.layers, progress);
   const Clock::time_point write_start = Clock::now();
   const bool write = options.force || all_hold(result.gates);
   if (write) {

@@ -122,4 +122,14 @@ std::vector<Vec3> outer_points(const Shell& shell, int depth, bool limit) {
   return points;
 }
 
+void project_outer(BlockMesh& mesh, const Shell& shell) {
+  if (!shell.outer_shape) return;
+  for (const BoundaryPatch& patch : mesh.patches()) {
+    if (patch.type != PatchType::farfield) continue;
+    for (const auto& quad : patch.quads) {
+      for (const Index p : quad) mesh.mutable_points()[p] = shell.outer_shape->project(mesh.points()[p]);
+    }
+  }
+}
+
 }  // namespace flowcage

@@ -25,4 +25,7 @@ Shell build_farfield_shell(const Cage& cage, const FarField& settings, const Box
 /// polyhedron instead.
 std::vector<Vec3> outer_points(const Shell& shell, int depth, bool limit);
 
+/// Puts the points at the outer ends of a mesh's lines on the shell's outer shape, where it has one.
+void project_outer(BlockMesh& mesh, const Shell& shell);
+
 }  // namespace flowcage

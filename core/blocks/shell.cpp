@@ -162,8 +162,9 @@ Shell join(ShellParts parts) {
   }
   shell.k_chord = complex.edge_chord[complex.hex_edges[0][8]];
   shell.complex = std::make_shared<const HexComplex>(std::move(complex));
-  shell.inner = std::move(parts.inner);
-  shell.inner_points = std::move(parts.inner_points);
+  for (Index f = 0; f < s.face_count(); ++f) shell.seats.push_back({f});
+  shell.wall = std::move(parts.inner);
+  shell.wall_points = std::move(parts.inner_points);
   shell.outer_points = std::move(parts.outer_points);
   shell.cage_level = parts.cage_level;
   shell.symmetry = parts.symmetry;
@@ -261,11 +262,11 @@ BlockMesh start_volume(const Shell& shell, std::span<const Vec3> inner_points, I
   std::vector<Vec3> points(BlockMesh::point_count(*shell.complex, divisions));
   BlockMesh mesh(shell.complex, divisions, std::move(points));
   std::vector<Vec3>& out = mesh.mutable_points();
-  for (Index f = 0; f < shell.inner.face_count(); ++f) {
+  for (Index f = 0; f < shell.wall.face_count(); ++f) {
     for (int c = 0; c < 4; ++c) {
-      const Index v = shell.inner.face_vertices[f][c];
+      const Index v = shell.wall.face_vertices[f][c];
       Vec3 from = inner_points[v];
-      if (shell.symmetry && shell.inner.vertex_faces.row_size(v) < shell.inner.vertex_edges.row_size(v)) {
+      if (shell.symmetry && shell.wall.vertex_faces.row_size(v) < shell.wall.vertex_edges.row_size(v)) {
         shell.symmetry->flatten(from);
       }
       const Vec3& to = shell.outer_points[v];
@@ -277,50 +278,6 @@ BlockMesh start_volume(const Shell& shell, std::span<const Vec3> inner_points, I
     }
   }
   return mesh;
-}
-
-std::vector<ShellLine> shell_lines(const Shell& shell, const SurfaceLevel& level) {
-  // Where a face of some level lies: its block, and the lattice places of its corners there.
-  struct Place {
-    Index block;
-    std::array<std::array<Index, 2>, 4> corners;
-  };
-  std::vector<Place> places;
-  places.reserve(shell.inner.face_count());
-  for (Index f = 0; f < shell.inner.face_count(); ++f)
-    places.push_back({f, {{{0, 0}, {1, 0}, {1, 1}, {0, 1}}}});
-  for (int depth = shell.cage_level; depth < level.depth; ++depth) {
-    std::vector<Place> children;
-    children.reserve(4 * places.size());
-    for (const Place& p : places) {
-      const auto sum = [&](int a, int b) {
-        return std::array<Index, 2>{p.corners[a][0] + p.corners[b][0], p.corners[a][1] + p.corners[b][1]};
-      };
-      for (int i = 0; i < 4; ++i) {  // (corner i, edge point i, face point, edge point i-1)
-        children.push_back({p.block, {sum(i, i), sum(i, (i + 1) % 4), sum(0, 2), sum((i + 3) % 4, i)}});
-      }
-    }
-    places = std::move(children);
-  }
-  if (static_cast<Index>(places.size()) != level.face_count()) {
-    throw Error(ErrorKind::internal, "shell_lines: the surface level is not one of the shell's cage",
-                "report this defect");
-  }
-  std::vector<ShellLine> lines(level.vertex_count());
-  for (Index f = 0; f < level.face_count(); ++f) {
-    for (int c = 0; c < 4; ++c) {
-      const auto& [i, j] = places[f].corners[c];
-      lines[level.face_vertices[f][c]] = {places[f].block, i, j};
-    }
-  }
-  return lines;
-}
-
-std::vector<Index> layer_points(const BlockMesh& mesh, std::span<const ShellLine> lines, Index k) {
-  std::vector<Index> points;
-  points.reserve(lines.size());
-  for (const ShellLine& line : lines) points.push_back(mesh.point_number(line.block, line.i, line.j, k));
-  return points;
 }
 
 }  // namespace flowcage

@@ -5,8 +5,7 @@
 #include <vector>
 
 #include "core/blocks/outer_shape.hpp"
-#include "core/blocks/symmetry_plane.hpp"
-#include "core/mesh/block_mesh.hpp"
+#include "core/blocks/wall_blocks.hpp"
 #include "core/mesh/cage.hpp"
 
 namespace flowcage {
@@ -22,14 +21,10 @@ namespace flowcage {
 /// Patches: the cage's own names ("wall" where it has none), "farfield", and "symmetry" over the edges of an
 /// open boundary. Sharp: creases and corners of both polyhedra, and the borders of farfield and symmetry;
 /// between walls only what the cage says, because the fitted surface is smooth there.
-struct Shell {
-  std::shared_ptr<const HexComplex> complex;
-  SurfaceLevel inner, outer;  ///< quads only, the same numbering; each with its own sharpness
-  std::vector<Vec3> inner_points, outer_points;
-  int cage_level =
-      0;  ///< which level of the cage `inner` is: 0, or 1 where the cage has faces that are no quads
+struct Shell : WallBlocks {
+  SurfaceLevel outer;                           ///< numbered as `wall`, with its own sharpness
+  std::vector<Vec3> wall_points, outer_points;  ///< #V
   Index k_chord = no_index;
-  std::optional<SymmetryPlane> symmetry;  ///< of an open cage
   std::optional<OuterShape> outer_shape;  ///< of a grown far field (blocks/farfield)
   bool box_edges_sharp = false;           ///< a box far field whose edges are edges of the mesh
 };
@@ -64,21 +59,7 @@ void make_quads(ShellParts& parts);
 
 /// The block mesh of a shell before any refinement: `layers` cells from wall to outer boundary on straight
 /// lines, evenly spaced. `inner_points` replace the shell's own (the fitted control points of level
-/// shell.cage_level; pass shell.inner_points otherwise).
+/// shell.cage_level; pass shell.wall_points otherwise).
 BlockMesh start_volume(const Shell& shell, std::span<const Vec3> inner_points, Index layers = 1);
-
-/// A line of points from wall to outer boundary: (i,j) of a block, k = 0 .. divisions of k_chord.
-struct ShellLine {
-  Index block = no_index, i = 0, j = 0;
-};
-
-/// The line of each vertex of a surface level (the cage refined level.depth times, numbered as in
-/// mesh/surface_level), by construction, without coordinates. Lattice places are those of the mesh that was
-/// refined level.depth - shell.cage_level times.
-std::vector<ShellLine> shell_lines(const Shell& shell, const SurfaceLevel& level);
-
-/// Points of layer k of the block mesh by surface vertex: k = 0 the wall, k = divisions of k_chord the outer
-/// boundary.
-std::vector<Index> layer_points(const BlockMesh& mesh, std::span<const ShellLine> lines, Index k);
 
 }  // namespace flowcage

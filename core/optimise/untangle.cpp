@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "core/base/parallel.hpp"
+#include "core/mesh/visit_cells.hpp"
 #include "core/optimise/hex_patch.hpp"
 #include "core/optimise/jacobian_bound.hpp"
 #include "core/optimise/patch_optimiser.hpp"
@@ -47,15 +48,19 @@ void check_input(const HexView& mesh, const UntangleSettings& settings) {
   }
 }
 
-std::vector<InvertedCell> find_inverted(std::span<const HexPoints> cells, std::span<const Vec3> points) {
-  std::vector<InvertedCell> out;
+Vec3 centre_of(const HexCornerPoints& p) {
+  Vec3 centre = Vec3::Zero();
+  for (const Vec3& corner : p) centre += corner / 8;
+  return centre;
+}
+
+std::vector<LocatedCell> find_inverted(std::span<const HexPoints> cells, std::span<const Vec3> points) {
+  std::vector<LocatedCell> out;
   for (std::size_t n = 0; n < cells.size(); ++n) {
     const HexCornerPoints p = corner_points(points, cells[n]);
     const double value = min_scaled_jacobian(p);
     if (value > 0) continue;
-    Vec3 centre = Vec3::Zero();
-    for (const Vec3& corner : p) centre += corner / 8;
-    out.push_back({static_cast<Offset>(n), centre, value});
+    out.push_back({static_cast<Offset>(n), centre_of(p), value});
   }
   return out;
 }
@@ -123,6 +128,17 @@ UntangledPoints repair_cells(const HexView& mesh, const RepairSettings& settings
   const std::vector<HexPatch> patches =
       patches_round(cells, freedom_of(mesh, settings.optimise), bad, settings.rings);
   return optimise(mesh, cells, patches, settings.optimise, progress);
+}
+
+std::vector<LocatedCell> unproved_cells(const HexView& mesh, Offset most) {
+  std::vector<LocatedCell> out;
+  visit_cells(mesh, 0, mesh.cell_count(), [&](Offset n, const HexPoints& cell) {
+    if (static_cast<Offset>(out.size()) >= most) return;
+    const HexCornerPoints p = corner_points(mesh.points(), cell);
+    const double value = min_scaled_jacobian(p);
+    if (value > 0 && jacobian_sign(p) != JacobianSign::positive) out.push_back({n, centre_of(p), value});
+  });
+  return out;
 }
 
 HexValidity hex_validity(const HexView& mesh) {

@@ -23,15 +23,15 @@ struct UntangleSettings {
   double max_seconds = 0;  ///< limit on time, 0: none; results then depend on the machine. Checked every pass
 };
 
-struct InvertedCell {
+struct LocatedCell {
   Offset cell = 0;
   Vec3 centre = Vec3::Zero();  ///< mean of its corners
   double scaled_jacobian = 0;
 };
 
 struct UntangleReport {
-  HexValidity before, after;           ///< of the whole mesh
-  std::vector<InvertedCell> inverted;  ///< that stay inverted, by number
+  HexValidity before, after;          ///< of the whole mesh
+  std::vector<LocatedCell> inverted;  ///< that stay inverted, by number
   Index moving_points = 0;
   Offset optimised_cells = 0;
   int patches = 0;  ///< regions optimised on their own
@@ -66,5 +66,8 @@ UntangledPoints repair_cells(const HexView& mesh, const RepairSettings& settings
 
 /// Inverted and uncertified cells, least and mean scaled Jacobian of a mesh.
 HexValidity hex_validity(const HexView& mesh);
+
+/// The first `most` cells, by number, that are positive at their corners but not proved positive inside.
+std::vector<LocatedCell> unproved_cells(const HexView& mesh, Offset most);
 
 }  // namespace flowcage

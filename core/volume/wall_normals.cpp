@@ -4,7 +4,8 @@
 
 #include "core/base/parallel.hpp"
 #include "core/mesh/hex_numbering.hpp"
-#include "core/volume/shell_columns.hpp"
+#include "core/volume/corner_fan.hpp"
+#include "core/volume/wall_columns.hpp"
 
 namespace flowcage {
 namespace {
@@ -24,33 +25,15 @@ double worst_corner(const std::array<Vec3, 8>& p) {
   return worst;
 }
 
-/// The direction with the largest least cosine to all of `normals`: steps toward the worst, ever shorter
-/// (Badoiu & Clarkson's scheme for the smallest enclosing ball, on the sphere).
-Vec3 middle_of(const std::vector<Vec3>& normals) {
-  Vec3 d = Vec3::Zero();
-  for (const Vec3& n : normals) d += n;
-  if (d.norm() < 1e-12) return normals.front();
-  d.normalize();
-  for (int step = 2; step < 60; ++step) {
-    const Vec3* worst = &normals.front();
-    for (const Vec3& n : normals) {
-      if (n.dot(d) < worst->dot(d)) worst = &n;
-    }
-    d = (d + (*worst - d) / step).normalized();
-  }
-  return d;
-}
-
 class LineTurner {
  public:
-  LineTurner(BlockMesh& mesh, const Shell& shell, const NormalSettings& settings)
-      : mesh_(mesh), shell_(shell), settings_(settings), columns_(shell_columns(mesh, shell)) {
+  LineTurner(BlockMesh& mesh, const WallBlocks& blocks, const NormalSettings& settings)
+      : mesh_(mesh), blocks_(blocks), settings_(settings), columns_(wall_columns(mesh, blocks)) {
     const auto n = static_cast<Offset>(columns_.lines.size());
     start_.assign(mesh.points().begin(), mesh.points().end());
     turn_.assign(n, Vec3::Zero());
-    normal_.assign(n, Vec3::Zero());
     Box3 box;
-    for (const ShellLine& line : columns_.lines) box.extend(start_[point(line, 0)]);
+    for (const WallLine& line : columns_.lines) box.extend(start_[point(line, 0)]);
     diagonal_ = box.diagonal().norm();
     find_turns();
   }
@@ -81,7 +64,7 @@ class LineTurner {
       std::fill(weight.begin(), weight.end(), 0.0);
       place(weight, reach);
     }
-    flatten_symmetry(mesh_, shell_);
+    flatten_symmetry(mesh_, blocks_);
     for (std::size_t l = 0; l < reach.size(); ++l)
       report.mean_reach += weight[l] * reach[l] / (static_cast<double>(reach.size()) * diagonal_);
     std::tie(report.min_cosine, report.mean_cosine) = cosines();
@@ -89,33 +72,13 @@ class LineTurner {
   }
 
  private:
-  Index point(const ShellLine& line, Index k) const {
-    return mesh_.point_number(line.block, line.i, line.j, k);
-  }
+  Index point(const WallLine& line, Index k) const { return line_point(mesh_, blocks_, line, k); }
 
   void find_turns() {
-    const auto n = static_cast<Index>(columns_.lines.size());
-    std::vector<std::vector<Vec3>> normals(n);
-    for (const auto& face : columns_.faces) {
-      std::array<Vec3, 4> p;
-      for (int c = 0; c < 4; ++c) p[c] = start_[point(columns_.lines[face[c]], 0)];
-      for (int c = 0; c < 4; ++c) {
-        const Vec3 normal = (p[(c + 1) % 4] - p[c]).cross(p[(c + 3) % 4] - p[c]);
-        if (normal.norm() > 0) normals[face[c]].push_back(normal.normalized());
-      }
-    }
-    for (Index l = 0; l < n; ++l) {
-      if (normals[l].empty()) continue;
-      const ShellLine& line = columns_.lines[l];
-      const Vec3 along = start_[point(line, 1)] - start_[point(line, 0)];
-      Vec3 normal = middle_of(normals[l]);
-      if (shell_.symmetry && std::abs(shell_.symmetry->distance(start_[point(line, 0)])) == 0) {
-        normal -= shell_.symmetry->normal * shell_.symmetry->normal.dot(normal);
-        if (normal.norm() < 0.1) continue;
-        normal.normalize();
-      }
-      normal_[l] = normal;
-      if (along.norm() > 0) turn_[l] = normal - along.normalized();
+    normal_ = line_normals(mesh_, blocks_, columns_);
+    for (std::size_t l = 0; l < normal_.size(); ++l) {
+      const Vec3 along = start_[point(columns_.lines[l], 1)] - start_[point(columns_.lines[l], 0)];
+      if (normal_[l].norm() > 0 && along.norm() > 0) turn_[l] = normal_[l] - along.normalized();
     }
   }
 
@@ -123,7 +86,7 @@ class LineTurner {
     std::vector<Vec3>& points = mesh_.mutable_points();
     parallel_for(static_cast<Offset>(columns_.lines.size()), 256, [&](Offset begin, Offset end) {
       for (Offset l = begin; l < end; ++l) {
-        const ShellLine& line = columns_.lines[l];
+        const WallLine& line = columns_.lines[l];
         double length = 0;
         for (Index k = 1; k <= columns_.layers; ++k)
           length += (start_[point(line, k)] - start_[point(line, k - 1)]).norm();
@@ -205,7 +168,7 @@ class LineTurner {
     double least = 1;
     double sum = 0;
     for (std::size_t l = 0; l < columns_.lines.size(); ++l) {
-      const ShellLine& line = columns_.lines[l];
+      const WallLine& line = columns_.lines[l];
       const Vec3 along = mesh_.points()[point(line, 1)] - mesh_.points()[point(line, 0)];
       const double cosine = along.normalized().dot(normal_[l]);
       least = std::min(least, cosine);
@@ -215,9 +178,9 @@ class LineTurner {
   }
 
   BlockMesh& mesh_;
-  const Shell& shell_;
+  const WallBlocks& blocks_;
   const NormalSettings& settings_;
-  ShellColumns columns_;
+  WallColumns columns_;
   double diagonal_ = 1;
   std::vector<Vec3> start_;  ///< all points as they were
   std::vector<Vec3> turn_;   ///< #lines, n - t
@@ -226,8 +189,44 @@ class LineTurner {
 
 }  // namespace
 
-NormalReport turn_lines_to_wall(BlockMesh& mesh, const Shell& shell, const NormalSettings& settings) {
-  return LineTurner(mesh, shell, settings).run();
+std::vector<Vec3> line_normals(const BlockMesh& mesh, const WallBlocks& blocks, const WallColumns& columns) {
+  const auto foot = [&](Index l) -> const Vec3& {
+    return mesh.points()[line_point(mesh, blocks, columns.lines[l], 0)];
+  };
+  // By line; neighbours are told by their lines' numbers.
+  std::vector<std::vector<FanCorner>> fans(columns.lines.size());
+  for (const auto& face : columns.faces) {
+    for (int c = 0; c < 4; ++c) {
+      const std::array<Vec3, 3> p{foot(face[c]), foot(face[(c + 1) % 4]), foot(face[(c + 3) % 4])};
+      FanCorner corner = fan_corner(p, 0, 1, 2);
+      corner.after = face[(c + 1) % 4];
+      corner.before = face[(c + 3) % 4];
+      if (corner.normal.norm() > 0) fans[face[c]].push_back(corner);
+    }
+  }
+  std::vector<Vec3> out(columns.lines.size(), Vec3::Zero());
+  for (std::size_t l = 0; l < out.size(); ++l) {
+    const std::vector<FanCorner>& fan = fans[l];
+    if (fan.empty()) continue;
+    Vec3 mirror = Vec3::Zero();
+    if (blocks.symmetry && std::abs(blocks.symmetry->distance(foot(static_cast<Index>(l)))) == 0) {
+      mirror = blocks.symmetry->normal;
+    }
+    const std::vector<double> sines = best_sines(fan);
+    std::vector<Vec3> hull;
+    for (std::size_t i = 0; i < fan.size(); ++i) {
+      hull.push_back(sines[i] * (fan[i].normal - mirror * mirror.dot(fan[i].normal)));
+    }
+    Vec3 normal = nearest_in_hull(hull);
+    if (normal.norm() < 1e-3) continue;  // no direction sees all of the wall's faces there
+    normal.normalize();
+    out[l] = normal;
+  }
+  return out;
+}
+
+NormalReport turn_lines_to_wall(BlockMesh& mesh, const WallBlocks& blocks, const NormalSettings& settings) {
+  return LineTurner(mesh, blocks, settings).run();
 }
 
 }  // namespace flowcage

@@ -1,6 +1,8 @@
 #pragma once
-#include "core/blocks/shell.hpp"
-#include "core/mesh/block_mesh.hpp"
+#include <vector>
+
+#include "core/blocks/wall_blocks.hpp"
+#include "core/volume/wall_columns.hpp"
 
 namespace flowcage {
 
@@ -21,13 +23,17 @@ struct NormalReport {
 
 /// Turns the lines that leave the wall toward its normal. A point at distance r along its line moves by
 ///   w r / (1 + (r / R)^2) * (1 - r / length) * (n - t),
-/// t the line's own direction at the wall, n the direction with the largest least cosine to the normals of
-/// the wall's faces there (at an edge or corner of the body the middle of its cone), w the line's weight, 1
-/// at first, R its reach. Where a cell would fall below min(good_enough, keep x its value before), weight and
-/// reach of its lines are cut back, at last to 0, and those of lines nearby follow with a bounded slope: no
-/// cell becomes inverted. Wall, outer boundary and symmetry plane stay exactly. Deterministic for any number
-/// of threads. Call it when the points are spread as they shall be (respace_lines) and re-space afterwards:
-/// then the first height is that along the turned line.
-NormalReport turn_lines_to_wall(BlockMesh& mesh, const Shell& shell, const NormalSettings& settings);
+/// t the line's own direction at the wall, n the direction in which the worst of the cells there gets the
+/// best scaled Jacobian (volume/corner_fan; on smooth walls the normal, at an edge the middle of its cone), w
+/// the line's weight, 1 at first, R its reach. Where a cell would fall below min(good_enough, keep x its
+/// value before), weight and reach of its lines are cut back, at last to 0, and those of lines nearby follow
+/// with a bounded slope: no cell becomes inverted. Wall, outer boundary and symmetry plane stay exactly.
+/// Deterministic for any number of threads. Layers (grade/boundary_layers) come afterwards: then the first
+/// height is that along the turned line.
+NormalReport turn_lines_to_wall(BlockMesh& mesh, const WallBlocks& blocks, const NormalSettings& settings);
+
+/// The direction n above for each of the columns' lines; inside the plane for lines in a symmetry plane; zero
+/// where there is none.
+std::vector<Vec3> line_normals(const BlockMesh& mesh, const WallBlocks& blocks, const WallColumns& columns);
 
 }  // namespace flowcage

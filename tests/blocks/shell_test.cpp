@@ -33,7 +33,7 @@ TEST_CASE("shell: a box in a box") {
   CHECK(shell.complex->chord_count == 4);
   CHECK(patch_names(shell) == std::vector<std::string>{"wall", "farfield"});
   CHECK(!shell.symmetry);
-  for (std::size_t v = 0; v < 8; ++v) CHECK(shell.outer_points[v] == 3 * shell.inner_points[v]);
+  for (std::size_t v = 0; v < 8; ++v) CHECK(shell.outer_points[v] == 3 * shell.wall_points[v]);
   for (const double s : shell.complex->edge_sharpness) CHECK(s == 0);
 }
 
@@ -78,7 +78,7 @@ TEST_CASE("shell: of several isomorphisms the one with the least distance") {
   for (Vec3& p : outer.points) p = turn * p;
   const Shell shell = build_shell(box_cage({1, 1, 1}), outer);
   for (std::size_t v = 0; v < 8; ++v) {
-    CHECK((shell.outer_points[v] - 3 * (turn * shell.inner_points[v])).norm() < 1e-14);
+    CHECK((shell.outer_points[v] - 3 * (turn * shell.wall_points[v])).norm() < 1e-14);
   }
 }
 
@@ -140,7 +140,7 @@ TEST_CASE("shell: a half model has its symmetry patch exactly in its plane") {
 TEST_CASE("shell: faces that are no quads are split once") {
   const Shell shell = build_shell(sample::prism_cage(5, 1, 1), sample::prism_cage(5, 4, 3));
   CHECK(shell.cage_level == 1);
-  CHECK(shell.inner.depth == 1);
+  CHECK(shell.wall.depth == 1);
   CHECK(shell.complex->hexes.size() == 5 * 4 + 2 * 5);
 }
 
@@ -174,8 +174,8 @@ TEST_CASE("shell lines: wall and outer points by vertex of the surface level") {
         return BlockMesh(shell.complex, divisions, points);
       }();
       const SurfaceLevel& level = levels[depth];
-      const auto lines = shell_lines(shell, level);
-      const auto wall = layer_points(mesh, lines, 0);
+      const auto lines = wall_lines(shell, level);
+      const auto wall = layer_points(mesh, shell, lines, 0);
       // The wall's quads are the level's faces.
       std::vector<std::array<Index, 4>> faces;
       for (Index f = 0; f < level.face_count(); ++f) {

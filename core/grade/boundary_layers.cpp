@@ -1,0 +1,309 @@
+#include "core/grade/boundary_layers.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/base/parallel.hpp"
+#include "core/volume/line_curve.hpp"
+#include "core/volume/wall_columns.hpp"
+#include "core/volume/wall_normals.hpp"
+
+namespace flowcage {
+namespace {
+
+/// A piece of the wanted size f: linear from fa at a to fb at b; `count`: the integral of 1 / f.
+struct Piece {
+  double a, b, fa, fb;
+  bool own = false;  ///< the mesh's own size, no layer's
+
+  double slope() const { return (fb - fa) / (b - a); }
+  double count() const {
+    const double q = (fb - fa) / fa;
+    const double mean = std::abs(q) < 1e-6 ? fa * (1 + q / 2) : (fb - fa) / std::log1p(q);
+    return (b - a) / mean;
+  }
+  /// Where the integral from a on reaches k.
+  double at(double k) const {
+    const double x = slope() * k;
+    return std::abs(x) < 1e-9 ? a + fa * k * (1 + x / 2) : a + fa / slope() * std::expm1(x);
+  }
+};
+
+/// The mesh's own cell sizes along a line, linear between the middles of its cells, constant at the ends.
+class OwnSizes {
+ public:
+  explicit OwnSizes(std::span<const double> lengths) {
+    knots_.push_back({0, lengths[1] - lengths[0]});
+    for (std::size_t k = 0; k + 1 < lengths.size(); ++k) {
+      knots_.push_back({(lengths[k] + lengths[k + 1]) / 2, lengths[k + 1] - lengths[k]});
+    }
+    knots_.push_back({lengths.back(), knots_.back().size});
+  }
+
+  /// Pieces of f from `start` on, where f is `height` there and grows by `slope` until it meets these sizes.
+  std::vector<Piece> pieces(double start, double height, double slope) const {
+    std::vector<Piece> out;
+    bool met = false;
+    for (std::size_t n = 0; n + 1 < knots_.size(); ++n) {
+      const double a = std::max(knots_[n].at, start);
+      const double b = knots_[n + 1].at;
+      if (!(a < b)) continue;
+      const double own_a = size_at(n, a);
+      const double own_b = knots_[n + 1].size;
+      const double layer_a = height + slope * (a - start);
+      const double layer_b = height + slope * (b - start);
+      if (met || layer_a >= own_a) {
+        met = true;
+        out.push_back({a, b, own_a, own_b, true});
+      } else if (layer_b <= own_b) {
+        out.push_back({a, b, layer_a, layer_b});
+      } else {
+        const double t = (own_a - layer_a) / (own_a - layer_a + layer_b - own_b);
+        const double c = a + t * (b - a);
+        const double size = layer_a + t * (layer_b - layer_a);
+        if (c > a) out.push_back({a, c, layer_a, size});
+        if (c < b) out.push_back({c, b, size, own_b, true});
+        met = true;
+      }
+    }
+    return out;
+  }
+
+ private:
+  struct Knot {
+    double at, size;
+  };
+  double size_at(std::size_t n, double s) const {
+    const double t = (s - knots_[n].at) / (knots_[n + 1].at - knots_[n].at);
+    return knots_[n].size + t * (knots_[n + 1].size - knots_[n].size);
+  }
+  std::vector<Knot> knots_;
+};
+
+double count_of(const std::vector<Piece>& pieces) {
+  double sum = 0;
+  for (const Piece& piece : pieces) sum += piece.count();
+  return sum;
+}
+
+/// The cells that follow height and growth exactly: at most half of the line.
+std::vector<double> exact_cells(double length, const LayerSettings& settings) {
+  std::vector<double> cells;
+  const Index wanted = std::max<Index>(2, settings.layers);
+  double sum = 0;
+  double size = settings.first_height;
+  for (Index k = 0; k < wanted && sum + size <= length / 2; ++k) {
+    cells.push_back(size);
+    sum += size;
+    if (k > 0) size *= settings.growth;
+  }
+  return cells;
+}
+
+/// The slope of f with which the pieces hold `count` cells; at most `most`.
+double slope_for(const OwnSizes& own, double start, double height, double most, double count) {
+  double low = 0;
+  double high = most;
+  for (int step = 0; step < 60; ++step) {
+    const double middle = (low + high) / 2;
+    (count_of(own.pieces(start, height, middle)) > count ? low : high) = middle;
+  }
+  return high;
+}
+
+/// The line whose lengths are the lines' geometric means, its new cells, and how they are carried to a line.
+class MeanLine {
+ public:
+  /// Cells are the same on all lines as long as they are thinner than this part of the mesh's own first cell.
+  /// Where neighbouring lines differ in growth, a cell's centre moves along the wall from layer to layer; in
+  /// cells of aspect ratio a that tilts the line between centres by about a / 12 times the difference.
+  static constexpr double thin = 1.0 / 30;
+
+  MeanLine(const BlockMesh& mesh, const WallBlocks& blocks, const WallColumns& columns,
+           const LayerSettings& settings) {
+    const Index n = columns.layers;
+    lengths_.assign(n + 1, 0);
+    for (const WallLine& line : columns.lines) {
+      const std::vector<Vec3> points = line_positions(mesh, blocks, line, n);
+      double s = 0;
+      for (Index k = 1; k <= n; ++k) {
+        s += (points[k] - points[k - 1]).norm();
+        lengths_[k] += std::log(std::max(s, 1e-300)) / static_cast<double>(columns.lines.size());
+      }
+    }
+    for (Index k = 1; k <= n; ++k) lengths_[k] = std::exp(lengths_[k]);
+    sigma_.push_back(0);
+    for (const double cell : graded_cells(lengths_, settings, &layer_cells_)) {
+      sigma_.push_back(sigma_.back() + cell);
+    }
+    exact_ = std::min(static_cast<Index>(exact_cells(lengths_.back(), settings).size()), cells());
+    while (exact_ < layer_cells_ && sigma_[exact_ + 1] - sigma_[exact_] < thin * lengths_[1]) ++exact_;
+    least_step_ = std::log(settings.growth) / 2;
+  }
+
+  Index cells() const { return static_cast<Index>(sigma_.size()) - 1; }
+
+  /// Lengths of a line's new points, the exact ones times `lean`.
+  std::vector<double> carried(const std::vector<double>& own, double lean) const {
+    std::vector<double> s(sigma_.size());
+    std::size_t n = 0;
+    for (std::size_t k = 1; k < s.size(); ++k) {
+      while (n + 2 < lengths_.size() && lengths_[n + 1] < sigma_[k]) ++n;
+      const double t = (sigma_[k] - lengths_[n]) / (lengths_[n + 1] - lengths_[n]);
+      s[k] = own[n] + t * (own[n + 1] - own[n]);
+    }
+    s.back() = own.back();
+    if (exact_ == 0) return s;
+    // Where log rho has fallen to 0: no cell may shrink by more than half of the growth.
+    const double rho = std::log(lean * sigma_[exact_] / s[exact_]);
+    const Index needed = exact_ + static_cast<Index>(std::ceil(std::abs(rho) / least_step_));
+    const Index end = std::min(std::max(layer_cells_, needed), cells());
+    for (Index k = 1; k < end; ++k) {
+      const double left =
+          static_cast<double>(end - k) / static_cast<double>(std::max<Index>(1, end - exact_));
+      s[k] = k <= exact_ ? lean * sigma_[k] : s[k] * std::exp(rho * left);
+    }
+    return s;
+  }
+
+ private:
+  std::vector<double> lengths_, sigma_;
+  Index layer_cells_ = 0, exact_ = 0;
+  double least_step_ = 0;
+};
+
+/// What a leaning line's first cell is enlarged by.
+std::vector<double> lean_factors(const BlockMesh& mesh, const WallBlocks& blocks, const WallColumns& columns,
+                                 const std::vector<Vec3>& normals) {
+  const std::size_t n = columns.lines.size();
+  const auto foot = [&](Index l) -> const Vec3& {
+    return mesh.points()[line_point(mesh, blocks, columns.lines[l], 0)];
+  };
+  std::vector<double> cosine(n, 1);
+  for (const auto& face : columns.faces) {
+    for (int c = 0; c < 4; ++c) {
+      const Vec3& p = foot(face[c]);
+      const Vec3 normal = (foot(face[(c + 1) % 4]) - p).cross(foot(face[(c + 3) % 4]) - p).normalized();
+      cosine[face[c]] = std::min(cosine[face[c]], normal.dot(normals[face[c]]));
+    }
+  }
+  // On a ridge every neighbour lies below the line's normal plane: the foot itself is the nearest point.
+  std::vector<char> ridge(n, 1);
+  for (const auto& [a, b] : columns.edges) {
+    const Vec3 edge = (foot(b) - foot(a)).normalized();
+    constexpr double level = 0.05;
+    if (edge.dot(normals[a]) > level) ridge[a] = 0;
+    if (edge.dot(normals[b]) < -level) ridge[b] = 0;
+  }
+  constexpr double most = 1.19;
+  std::vector<double> factor(n, 1);
+  for (std::size_t l = 0; l < n; ++l) {
+    if (ridge[l] == 0) factor[l] = 1 / std::clamp(cosine[l], 1 / most, 1.0);
+  }
+  return factor;
+}
+
+/// The mesh with other divisions on the line chords; points of the lines' insides are still to be set.
+BlockMesh redivided(const BlockMesh& mesh, const WallBlocks& blocks, Index cells) {
+  std::vector<Index> divisions = mesh.chord_divisions();
+  for (const Index chord : line_chords(blocks)) divisions[chord] = cells;
+  const HexComplex& complex = mesh.complex();
+  BlockMesh out(mesh.shared_complex(), divisions,
+                std::vector<Vec3>(BlockMesh::point_count(complex, divisions)));
+  std::vector<Vec3>& points = out.mutable_points();
+  for (Index b = 0; b < mesh.block_count(); ++b) {
+    const auto from = mesh.dims(b);
+    const auto to = out.dims(b);
+    if (from != to) continue;  // a block that lines run through
+    for (Index k = 0; k <= to[2]; ++k) {
+      for (Index j = 0; j <= to[1]; ++j) {
+        for (Index i = 0; i <= to[0]; ++i) {
+          points[out.point_number(b, i, j, k)] = mesh.points()[mesh.point_number(b, i, j, k)];
+        }
+      }
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<double> graded_cells(std::span<const double> lengths, const LayerSettings& settings,
+                                 Index* layer_cells) {
+  const double length = lengths.back();
+  std::vector<double> cells = exact_cells(length, settings);
+  double start = 0;
+  for (const double cell : cells) start += cell;
+  const double size = cells.empty() ? settings.first_height : cells.back();
+  const OwnSizes own(lengths);
+  const double most = std::log(settings.growth);
+  const auto rest = static_cast<Index>(std::ceil(count_of(own.pieces(start, size, most)) - 1e-9));
+  const std::vector<Piece> pieces = own.pieces(start, size, slope_for(own, start, size, most, rest));
+  const double found = count_of(pieces);  // `rest` to within bisection
+  double s = start;
+  double before = 0;
+  std::size_t n = 0;
+  bool met = false;
+  for (Index k = 1; k <= rest; ++k) {
+    const double target = found * static_cast<double>(k) / static_cast<double>(rest);
+    while (n + 1 < pieces.size() && before + pieces[n].count() < target) before += pieces[n++].count();
+    if (pieces[n].own && !met && layer_cells != nullptr) *layer_cells = static_cast<Index>(cells.size());
+    met = met || pieces[n].own;
+    const double next = k == rest ? length : std::min(length, pieces[n].at(target - before));
+    cells.push_back(next - s);
+    s = next;
+  }
+  if (!met && layer_cells != nullptr) *layer_cells = static_cast<Index>(cells.size());
+  return cells;
+}
+
+BlockMesh insert_boundary_layers(const BlockMesh& mesh, const WallBlocks& blocks,
+                                 const LayerSettings& settings, LayerReport& report) {
+  const WallColumns columns = wall_columns(mesh, blocks);
+  const auto lines = static_cast<Offset>(columns.lines.size());
+  const std::vector<Vec3> normals = line_normals(mesh, blocks, columns);
+  const auto curve_of = [&](Offset l) {
+    std::vector<Vec3> points = line_positions(mesh, blocks, columns.lines[l], columns.layers);
+    const Vec3 along = (points[1] - points[0]).normalized();
+    constexpr double least_cosine = 0.5;
+    return along.dot(normals[l]) > least_cosine ? LineCurve(std::move(points), normals[l])
+                                                : LineCurve(std::move(points));
+  };
+  const MeanLine mean(mesh, blocks, columns, settings);
+  const std::vector<double> lean = lean_factors(mesh, blocks, columns, normals);
+  BlockMesh out = redivided(mesh, blocks, mean.cells());
+  std::vector<Vec3>& points = out.mutable_points();
+  const LayerReport none{mean.cells(), std::numeric_limits<double>::infinity(), 0, 1};
+  report = parallel_reduce(
+      lines, 64, none,
+      [&](Offset begin, Offset end) {
+        LayerReport part = none;
+        for (Offset l = begin; l < end; ++l) {
+          const LineCurve curve = curve_of(l);
+          const std::vector<double> s = mean.carried(curve.lengths(), lean[l]);
+          for (Index k = 0; k <= part.cells; ++k) {
+            // The ends keep every bit.
+            const bool inside = k > 0 && k < part.cells;
+            const Index old = k == 0 ? 0 : columns.layers;
+            points[line_point(out, blocks, columns.lines[l], k)] =
+                inside ? curve.at(s[k]) : mesh.points()[line_point(mesh, blocks, columns.lines[l], old)];
+          }
+          part.min_height = std::min(part.min_height, s[1]);
+          part.max_height = std::max(part.max_height, s[1]);
+          for (Index k = 1; k < part.cells; ++k) {
+            const double ratio = (s[k + 1] - s[k]) / (s[k] - s[k - 1]);
+            part.max_growth = std::max({part.max_growth, ratio, 1 / ratio});
+          }
+        }
+        return part;
+      },
+      [](const LayerReport& a, const LayerReport& b) {
+        return LayerReport{a.cells, std::min(a.min_height, b.min_height),
+                           std::max(a.max_height, b.max_height), std::max(a.max_growth, b.max_growth)};
+      });
+  flatten_symmetry(out, blocks);
+  return out;
+}
+
+}  // namespace flowcage

@@ -1,0 +1,69 @@
+#include "core/optimise/smooth_blocks.hpp"
+
+namespace flowcage {
+namespace {
+
+/// Coordinates of a point on the box that its sides hold.
+std::uint8_t box_axes(const OuterShape& box, const Vec3& p) {
+  const Vec3 d = (p - box.centre).cwiseAbs();
+  unsigned axes = 0;
+  for (unsigned a = 0; a < 3; ++a) {
+    if (d[a] >= box.radius * (1 - 1e-9)) axes |= 1U << a;
+  }
+  return static_cast<std::uint8_t>(axes);
+}
+
+}  // namespace
+
+BoundaryFreedom boundary_freedom(const BlockMesh& mesh, const Shell& shell) {
+  BoundaryFreedom out;
+  std::vector<PointFreedom> per_patch(mesh.patches().size(), fixed_point);
+  const auto& shape = shell.outer_shape;
+  const bool sphere = shape && shape->kind == OuterShape::Kind::sphere;
+  // Cells that cross an edge of the box lose it when they move.
+  const bool box = shape && !sphere && shell.box_edges_sharp && shape->axes == Eigen::Matrix3d::Identity();
+  for (std::size_t p = 0; p < per_patch.size(); ++p) {
+    const PatchType type = mesh.patches()[p].type;
+    if (type == PatchType::symmetry && shell.symmetry && shell.symmetry->axis != no_index) {
+      per_patch[p] = in_plane(shell.symmetry->axis);
+    }
+    if (type == PatchType::farfield && sphere) per_patch[p] = on_surface(0);
+    if (type == PatchType::farfield && box) per_patch[p] = {};
+  }
+  out.points = patch_freedom(mesh, per_patch);
+  if (sphere) {
+    out.projectors.push_back([shape = *shape](std::span<const Vec3> queries, std::span<Vec3> feet) {
+      for (std::size_t i = 0; i < queries.size(); ++i) feet[i] = shape.project(queries[i]);
+    });
+  }
+  if (!box) return out;
+  for (const BoundaryPatch& patch : mesh.patches()) {
+    if (patch.type != PatchType::farfield) continue;
+    for (const auto& quad : patch.quads) {
+      for (const Index p : quad) {
+        out.points[p].frozen_axes |= box_axes(*shape, mesh.points()[p]);
+      }
+    }
+  }
+  return out;
+}
+
+void smooth_blocks(BlockMesh& mesh, const Shell& shell, Progress& progress) {
+  UntangleSettings settings;
+  BoundaryFreedom freedom = boundary_freedom(mesh, shell);
+  settings.freedom = std::move(freedom.points);
+  settings.projectors = std::move(freedom.projectors);
+  mesh.mutable_points() = untangle(mesh, settings, progress).points;
+}
+
+void mend_blocks(BlockMesh& mesh, const Shell& shell, Progress& progress) {
+  const HexValidity validity = hex_validity(mesh);
+  if (validity.inverted == 0 && validity.uncertified == 0) return;
+  RepairSettings settings;
+  BoundaryFreedom freedom = boundary_freedom(mesh, shell);
+  settings.optimise.freedom = std::move(freedom.points);
+  settings.optimise.projectors = std::move(freedom.projectors);
+  mesh.mutable_points() = repair_cells(mesh, settings, progress).points;
+}
+
+}  // namespace flowcage

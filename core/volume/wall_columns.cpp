@@ -1,0 +1,72 @@
+#include "core/volume/wall_columns.hpp"
+
+#include <algorithm>
+
+#include "core/mesh/hex_numbering.hpp"
+
+namespace flowcage {
+
+WallColumns wall_columns(const BlockMesh& mesh, const WallBlocks& blocks) {
+  WallColumns columns;
+  columns.layers = line_layers(mesh, blocks);
+  std::vector<Index> line_at(mesh.points().size(), no_index);
+  const auto divisions = [&](Index f) {
+    // Chords of the face's first and last side.
+    const auto n = mesh.dims(blocks.seats[f].block);
+    const WallSeat& seat = blocks.seats[f];
+    std::array<Index, 2> out{1, 1};
+    for (int a = 0; a < 3; ++a) {
+      const auto at = [&](int c) { return hex_corner_ijk[seat.foot[c]][a]; };
+      if (at(1) != at(0)) out[0] = n[a];
+      if (at(3) != at(0)) out[1] = n[a];
+    }
+    return out;
+  };
+  for (Index f = 0; f < blocks.wall.face_count(); ++f) {
+    const auto n = divisions(f);
+    for (Index j = 0; j <= n[1]; ++j) {
+      for (Index i = 0; i <= n[0]; ++i) {
+        Index& line = line_at[line_point(mesh, blocks, {f, i, j}, 0)];
+        if (line != no_index) continue;
+        line = static_cast<Index>(columns.lines.size());
+        columns.lines.push_back({f, i, j});
+      }
+    }
+  }
+  for (Index f = 0; f < blocks.wall.face_count(); ++f) {
+    const auto n = divisions(f);
+    const auto at = [&](Index i, Index j) { return line_at[line_point(mesh, blocks, {f, i, j}, 0)]; };
+    for (Index j = 0; j < n[1]; ++j) {
+      for (Index i = 0; i < n[0]; ++i) {
+        const std::array<Index, 4> face{at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)};
+        columns.faces.push_back(face);
+        for (int c = 0; c < 4; ++c) {
+          const auto [low, high] = std::minmax(face[c], face[(c + 1) % 4]);
+          columns.edges.push_back({low, high});
+        }
+      }
+    }
+  }
+  std::sort(columns.edges.begin(), columns.edges.end());
+  columns.edges.erase(std::unique(columns.edges.begin(), columns.edges.end()), columns.edges.end());
+  return columns;
+}
+
+std::vector<Vec3> line_positions(const BlockMesh& mesh, const WallBlocks& blocks, const WallLine& line,
+                                 Index layers) {
+  std::vector<Vec3> out(layers + 1);
+  for (Index k = 0; k <= layers; ++k) out[k] = mesh.points()[line_point(mesh, blocks, line, k)];
+  return out;
+}
+
+void flatten_symmetry(BlockMesh& mesh, const WallBlocks& blocks) {
+  if (!blocks.symmetry) return;
+  for (const BoundaryPatch& patch : mesh.patches()) {
+    if (patch.type != PatchType::symmetry) continue;
+    for (const auto& quad : patch.quads) {
+      for (const Index v : quad) blocks.symmetry->flatten(mesh.mutable_points()[v]);
+    }
+  }
+}
+
+}  // namespace flowcage

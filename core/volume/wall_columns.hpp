@@ -1,0 +1,27 @@
+#pragma once
+#include <array>
+#include <vector>
+
+#include "core/blocks/wall_blocks.hpp"
+
+namespace flowcage {
+
+/// The lines of a block mesh that leave its wall, each once, and the wall's net between them: what spreading,
+/// turning and layers work on. Lines are numbered by the first face that sees them, i fastest.
+struct WallColumns {
+  std::vector<WallLine> lines;
+  std::vector<std::array<Index, 4>>
+      faces;  ///< lines at the corners of each wall cell face, face by face of the blocks' wall, i fastest
+  std::vector<std::array<Index, 2>> edges;  ///< pairs of neighbouring lines, each once, ascending
+  Index layers = 1;                         ///< cells along a line
+};
+WallColumns wall_columns(const BlockMesh& mesh, const WallBlocks& blocks);
+
+/// Points of one line from the wall on.
+std::vector<Vec3> line_positions(const BlockMesh& mesh, const WallBlocks& blocks, const WallLine& line,
+                                 Index layers);
+
+/// Puts the points of symmetry patches exactly into the plane.
+void flatten_symmetry(BlockMesh& mesh, const WallBlocks& blocks);
+
+}  // namespace flowcage
