@@ -15,7 +15,6 @@ namespace {
 /// A piece of the wanted size f: linear from fa at a to fb at b; `count`: the integral of 1 / f.
 struct Piece {
   double a, b, fa, fb;
-  bool own = false;  ///< the mesh's own size, no layer's
 
   double slope() const { return (fb - fa) / (b - a); }
   double count() const {
@@ -55,7 +54,7 @@ class OwnSizes {
       const double layer_b = height + slope * (b - start);
       if (met || layer_a >= own_a) {
         met = true;
-        out.push_back({a, b, own_a, own_b, true});
+        out.push_back({a, b, own_a, own_b});
       } else if (layer_b <= own_b) {
         out.push_back({a, b, layer_a, layer_b});
       } else {
@@ -63,7 +62,7 @@ class OwnSizes {
         const double c = a + t * (b - a);
         const double size = layer_a + t * (layer_b - layer_a);
         if (c > a) out.push_back({a, c, layer_a, size});
-        if (c < b) out.push_back({c, b, size, own_b, true});
+        if (c < b) out.push_back({c, b, size, own_b});
         met = true;
       }
     }
@@ -119,6 +118,8 @@ class MeanLine {
   /// Where neighbouring lines differ in growth, a cell's centre moves along the wall from layer to layer; in
   /// cells of aspect ratio a that tilts the line between centres by about a / 12 times the difference.
   static constexpr double thin = 1.0 / 30;
+  /// From so many of the mesh's own layers on, each line keeps its own.
+  static constexpr Index blended = 3;
 
   MeanLine(const BlockMesh& mesh, const WallBlocks& blocks, const WallColumns& columns,
            const LayerSettings& settings) {
@@ -134,12 +135,14 @@ class MeanLine {
     }
     for (Index k = 1; k <= n; ++k) lengths_[k] = std::exp(lengths_[k]);
     sigma_.push_back(0);
-    for (const double cell : graded_cells(lengths_, settings, &layer_cells_)) {
+    for (const double cell : graded_cells(lengths_, settings)) {
       sigma_.push_back(sigma_.back() + cell);
     }
     exact_ = std::min(static_cast<Index>(exact_cells(lengths_.back(), settings).size()), cells());
-    while (exact_ < layer_cells_ && sigma_[exact_ + 1] - sigma_[exact_] < thin * lengths_[1]) ++exact_;
-    least_step_ = std::log(settings.growth) / 2;
+    while (exact_ < cells() && sigma_[exact_ + 1] - sigma_[exact_] < thin * lengths_[1]) ++exact_;
+    const double reach = lengths_[std::min(n, blended)];
+    end_ = static_cast<Index>(std::lower_bound(sigma_.begin(), sigma_.end(), reach) - sigma_.begin());
+    least_step_ = 0.9 * std::log(settings.growth);
   }
 
   Index cells() const { return static_cast<Index>(sigma_.size()) - 1; }
@@ -155,10 +158,10 @@ class MeanLine {
     }
     s.back() = own.back();
     if (exact_ == 0) return s;
-    // Where log rho has fallen to 0: no cell may shrink by more than half of the growth.
+    // Where log rho has fallen to 0: the way there may not use up the growth.
     const double rho = std::log(lean * sigma_[exact_] / s[exact_]);
     const Index needed = exact_ + static_cast<Index>(std::ceil(std::abs(rho) / least_step_));
-    const Index end = std::min(std::max(layer_cells_, needed), cells());
+    const Index end = std::min(std::max(end_, needed), cells());
     for (Index k = 1; k < end; ++k) {
       const double left =
           static_cast<double>(end - k) / static_cast<double>(std::max<Index>(1, end - exact_));
@@ -169,7 +172,7 @@ class MeanLine {
 
  private:
   std::vector<double> lengths_, sigma_;
-  Index layer_cells_ = 0, exact_ = 0;
+  Index exact_ = 0, end_ = 0;  ///< cells that are the same on all lines; where they follow their own
   double least_step_ = 0;
 };
 
@@ -227,10 +230,112 @@ BlockMesh redivided(const BlockMesh& mesh, const WallBlocks& blocks, Index cells
   return out;
 }
 
+/// Lowers values until those of neighbouring lines differ by no more than `step`.
+void bound_steps(std::span<const std::array<Index, 2>> edges, double step, std::vector<double>& value) {
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (const auto& [a, b] : edges) {
+      for (const auto& [high, low] : {std::pair{a, b}, std::pair{b, a}}) {
+        if (value[high] <= value[low] + step * (1 + 1e-12)) continue;
+        value[high] = value[low] + step;
+        changed = true;
+      }
+    }
+  }
+}
+
+/// Places the graded lines for given weights of the wall's normal in their start slopes.
+class LayerBuilder {
+ public:
+  LayerBuilder(const BlockMesh& mesh, const WallBlocks& blocks, const WallColumns& columns,
+               const LayerSettings& settings)
+      : mesh_(mesh),
+        blocks_(blocks),
+        columns_(columns),
+        normals_(line_normals(mesh, blocks, columns)),
+        lean_(lean_factors(mesh, blocks, columns, normals_)),
+        mean_(mesh, blocks, columns, settings) {}
+
+  Index cells() const { return mean_.cells(); }
+
+  /// 0 for lines that lean by more than 60 degrees: their curves would bend too far.
+  std::vector<double> start_weights() const {
+    std::vector<double> weight(columns_.lines.size());
+    for (std::size_t l = 0; l < weight.size(); ++l) {
+      const Vec3 along = at(columns_.lines[l], 1) - at(columns_.lines[l], 0);
+      constexpr double least_cosine = 0.5;
+      weight[l] = along.normalized().dot(normals_[l]) > least_cosine ? 1 : 0;
+    }
+    return weight;
+  }
+
+  /// What the cells over each wall face may not fall below: min(0.3, 0.9 x the least there before).
+  std::vector<float> least_values() const {
+    const std::vector<float> before = column_values(mesh_, blocks_, columns_);
+    const std::size_t faces = columns_.faces.size();
+    std::vector<float> least(faces, 0.3F);
+    const auto used = std::min<std::size_t>(before.size(), faces * MeanLine::blended);
+    for (std::size_t n = 0; n < used; ++n) least[n % faces] = std::min(least[n % faces], 0.9F * before[n]);
+    return least;
+  }
+
+  LayerReport place(const std::vector<double>& weight, BlockMesh& out) const {
+    std::vector<Vec3>& points = out.mutable_points();
+    const LayerReport none{cells(), std::numeric_limits<double>::infinity(), 0, 1};
+    const LayerReport report = parallel_reduce(
+        static_cast<Offset>(columns_.lines.size()), 64, none,
+        [&](Offset begin, Offset end) {
+          LayerReport part = none;
+          for (Offset l = begin; l < end; ++l) {
+            const WallLine& line = columns_.lines[l];
+            const LineCurve curve = curve_of(l, weight[l]);
+            const std::vector<double> s = mean_.carried(curve.lengths(), lean_[l]);
+            for (Index k = 0; k <= part.cells; ++k) {
+              // The ends keep every bit.
+              const bool inside = k > 0 && k < part.cells;
+              points[line_point(out, blocks_, line, k)] =
+                  inside ? curve.at(s[k]) : at(line, k == 0 ? 0 : columns_.layers);
+            }
+            part.min_height = std::min(part.min_height, s[1]);
+            part.max_height = std::max(part.max_height, s[1]);
+            for (Index k = 1; k < part.cells; ++k) {
+              const double ratio = (s[k + 1] - s[k]) / (s[k] - s[k - 1]);
+              part.max_growth = std::max({part.max_growth, ratio, 1 / ratio});
+            }
+          }
+          return part;
+        },
+        [](const LayerReport& a, const LayerReport& b) {
+          return LayerReport{a.cells, std::min(a.min_height, b.min_height),
+                             std::max(a.max_height, b.max_height), std::max(a.max_growth, b.max_growth)};
+        });
+    flatten_symmetry(out, blocks_);
+    return report;
+  }
+
+ private:
+  const Vec3& at(const WallLine& line, Index k) const {
+    return mesh_.points()[line_point(mesh_, blocks_, line, k)];
+  }
+  LineCurve curve_of(Offset l, double weight) const {
+    std::vector<Vec3> points = line_positions(mesh_, blocks_, columns_.lines[l], columns_.layers);
+    if (weight == 0) return LineCurve(std::move(points));
+    const Vec3 along = (points[1] - points[0]).normalized();
+    const Vec3 slope = ((1 - weight) * along + weight * normals_[l]).normalized();
+    return {std::move(points), slope};
+  }
+
+  const BlockMesh& mesh_;
+  const WallBlocks& blocks_;
+  const WallColumns& columns_;
+  std::vector<Vec3> normals_;
+  std::vector<double> lean_;
+  MeanLine mean_;
+};
+
 }  // namespace
 
-std::vector<double> graded_cells(std::span<const double> lengths, const LayerSettings& settings,
-                                 Index* layer_cells) {
+std::vector<double> graded_cells(std::span<const double> lengths, const LayerSettings& settings) {
   const double length = lengths.back();
   std::vector<double> cells = exact_cells(length, settings);
   double start = 0;
@@ -244,65 +349,42 @@ std::vector<double> graded_cells(std::span<const double> lengths, const LayerSet
   double s = start;
   double before = 0;
   std::size_t n = 0;
-  bool met = false;
   for (Index k = 1; k <= rest; ++k) {
     const double target = found * static_cast<double>(k) / static_cast<double>(rest);
     while (n + 1 < pieces.size() && before + pieces[n].count() < target) before += pieces[n++].count();
-    if (pieces[n].own && !met && layer_cells != nullptr) *layer_cells = static_cast<Index>(cells.size());
-    met = met || pieces[n].own;
     const double next = k == rest ? length : std::min(length, pieces[n].at(target - before));
     cells.push_back(next - s);
     s = next;
   }
-  if (!met && layer_cells != nullptr) *layer_cells = static_cast<Index>(cells.size());
   return cells;
 }
 
 BlockMesh insert_boundary_layers(const BlockMesh& mesh, const WallBlocks& blocks,
                                  const LayerSettings& settings, LayerReport& report) {
   const WallColumns columns = wall_columns(mesh, blocks);
-  const auto lines = static_cast<Offset>(columns.lines.size());
-  const std::vector<Vec3> normals = line_normals(mesh, blocks, columns);
-  const auto curve_of = [&](Offset l) {
-    std::vector<Vec3> points = line_positions(mesh, blocks, columns.lines[l], columns.layers);
-    const Vec3 along = (points[1] - points[0]).normalized();
-    constexpr double least_cosine = 0.5;
-    return along.dot(normals[l]) > least_cosine ? LineCurve(std::move(points), normals[l])
-                                                : LineCurve(std::move(points));
-  };
-  const MeanLine mean(mesh, blocks, columns, settings);
-  const std::vector<double> lean = lean_factors(mesh, blocks, columns, normals);
-  BlockMesh out = redivided(mesh, blocks, mean.cells());
-  std::vector<Vec3>& points = out.mutable_points();
-  const LayerReport none{mean.cells(), std::numeric_limits<double>::infinity(), 0, 1};
-  report = parallel_reduce(
-      lines, 64, none,
-      [&](Offset begin, Offset end) {
-        LayerReport part = none;
-        for (Offset l = begin; l < end; ++l) {
-          const LineCurve curve = curve_of(l);
-          const std::vector<double> s = mean.carried(curve.lengths(), lean[l]);
-          for (Index k = 0; k <= part.cells; ++k) {
-            // The ends keep every bit.
-            const bool inside = k > 0 && k < part.cells;
-            const Index old = k == 0 ? 0 : columns.layers;
-            points[line_point(out, blocks, columns.lines[l], k)] =
-                inside ? curve.at(s[k]) : mesh.points()[line_point(mesh, blocks, columns.lines[l], old)];
-          }
-          part.min_height = std::min(part.min_height, s[1]);
-          part.max_height = std::max(part.max_height, s[1]);
-          for (Index k = 1; k < part.cells; ++k) {
-            const double ratio = (s[k + 1] - s[k]) / (s[k] - s[k - 1]);
-            part.max_growth = std::max({part.max_growth, ratio, 1 / ratio});
-          }
-        }
-        return part;
-      },
-      [](const LayerReport& a, const LayerReport& b) {
-        return LayerReport{a.cells, std::min(a.min_height, b.min_height),
-                           std::max(a.max_height, b.max_height), std::max(a.max_growth, b.max_growth)};
-      });
-  flatten_symmetry(out, blocks);
+  const LayerBuilder builder(mesh, blocks, columns, settings);
+  const std::vector<float> least = builder.least_values();
+  std::vector<double> weight = builder.start_weights();
+  WallColumns layered = columns;
+  layered.layers = builder.cells();
+  BlockMesh out = redivided(mesh, blocks, builder.cells());
+  constexpr int passes = 8;
+  report = builder.place(weight, out);
+  for (int pass = 0; pass < passes; ++pass) {
+    const std::vector<float> values = column_values(out, blocks, layered);
+    bool any = false;
+    for (std::size_t n = 0; n < values.size(); ++n) {
+      const std::size_t face = n % columns.faces.size();
+      if (values[n] >= least[face]) continue;
+      for (const Index l : columns.faces[face]) {
+        any = any || weight[l] > 0;
+        weight[l] *= 2 * pass < passes ? 0.7 : 0;
+      }
+    }
+    if (!any) break;
+    bound_steps(columns.edges, 0.2, weight);
+    report = builder.place(weight, out);
+  }
   return out;
 }
 

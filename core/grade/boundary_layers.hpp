@@ -28,7 +28,7 @@ struct LayerReport {
 /// layers) and carried to each line by the layer coordinate: with sigma(k) the mean line's new lengths and
 /// t(k) = S^-1(sigma(k)), line i has
 ///   s_i(k) = S_i(t(k)) rho_i(k),   rho_i(k) = sigma(k) / S_i(t(k)) as long as cells are thin,
-/// from there log rho_i falls evenly to 0 where the mean line meets the mesh's own sizes. So all lines have
+/// from there log rho_i falls evenly to 0 within three of the mesh's own layers. So all lines have
 /// the same first cells, outer layers stay as smooth as they are, and the growth differs little between
 /// lines. A line leaves the wall along its normal where it did not lean by more than 60 degrees.
 ///
@@ -42,9 +42,7 @@ BlockMesh insert_boundary_layers(const BlockMesh& mesh, const WallBlocks& blocks
 
 /// Cell sizes along one line: `lengths` (ascending from 0) is where its points are. With f(s) the wanted size
 /// at s, first height, growth, then the line's own sizes, cell limits are where the integral of 1 / f is a
-/// whole number; the growth is lowered until it is one at the end. `layer_cells`: how many of them lie before
-/// the own sizes are met.
-std::vector<double> graded_cells(std::span<const double> lengths, const LayerSettings& settings,
-                                 Index* layer_cells = nullptr);
+/// whole number; the growth is lowered until it is one at the end.
+std::vector<double> graded_cells(std::span<const double> lengths, const LayerSettings& settings);
 
 }  // namespace flowcage

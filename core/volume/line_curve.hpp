@@ -10,9 +10,9 @@ namespace flowcage {
 class LineCurve {
  public:
   explicit LineCurve(std::vector<Vec3> points);
-  /// Leaves the first point in the given direction (unit length).
-  LineCurve(std::vector<Vec3> points, const Vec3& direction) : LineCurve(std::move(points)) {
-    slopes_.front() = direction;
+  /// Leaves the first point with the given slope (unit length: by arc length).
+  LineCurve(std::vector<Vec3> points, const Vec3& slope) : LineCurve(std::move(points)) {
+    slopes_.front() = slope;
   }
   double length() const { return lengths_.back(); }
   const std::vector<double>& lengths() const { return lengths_; }  ///< #points, from the first on

@@ -1,10 +1,30 @@
 #include "core/volume/wall_columns.hpp"
 
 #include <algorithm>
+#include <cmath>
 
+#include "core/base/parallel.hpp"
 #include "core/mesh/hex_numbering.hpp"
 
 namespace flowcage {
+namespace {
+
+/// Scaled Jacobian at the worst corner of the hex over a wall face between layers k and k + 1.
+double worst_corner(const std::array<Vec3, 8>& p) {
+  double worst = 1;
+  for (int c = 0; c < 8; ++c) {
+    const auto [i, j, k] = hex_corner_ijk[c];
+    Vec3 a = p[hex_corner_at(1 - i, j, k)] - p[c];
+    Vec3 b = p[hex_corner_at(i, 1 - j, k)] - p[c];
+    Vec3 d = p[hex_corner_at(i, j, 1 - k)] - p[c];
+    const double sign = ((i + j + k) % 2 == 0 ? 1 : -1) / (a.norm() * b.norm() * d.norm());
+    const double value = sign * a.cross(b).dot(d);
+    worst = std::min(worst, std::isfinite(value) ? value : -1);
+  }
+  return worst;
+}
+
+}  // namespace
 
 WallColumns wall_columns(const BlockMesh& mesh, const WallBlocks& blocks) {
   WallColumns columns;
@@ -57,6 +77,26 @@ std::vector<Vec3> line_positions(const BlockMesh& mesh, const WallBlocks& blocks
   std::vector<Vec3> out(layers + 1);
   for (Index k = 0; k <= layers; ++k) out[k] = mesh.points()[line_point(mesh, blocks, line, k)];
   return out;
+}
+
+std::vector<float> column_values(const BlockMesh& mesh, const WallBlocks& blocks,
+                                 const WallColumns& columns) {
+  const auto faces = static_cast<Offset>(columns.faces.size());
+  std::vector<float> values(faces * columns.layers);
+  const auto points = mesh.points();
+  parallel_for(faces, 64, [&](Offset begin, Offset end) {
+    for (Offset f = begin; f < end; ++f) {
+      std::array<Vec3, 8> p;
+      for (Index k = 0; k <= columns.layers; ++k) {
+        for (int c = 0; c < 4; ++c) {
+          p[c] = p[c + 4];
+          p[c + 4] = points[line_point(mesh, blocks, columns.lines[columns.faces[f][c]], k)];
+        }
+        if (k > 0) values[f + faces * (k - 1)] = static_cast<float>(worst_corner(p));
+      }
+    }
+  });
+  return values;
 }
 
 void flatten_symmetry(BlockMesh& mesh, const WallBlocks& blocks) {

@@ -21,6 +21,9 @@ WallColumns wall_columns(const BlockMesh& mesh, const WallBlocks& blocks);
 std::vector<Vec3> line_positions(const BlockMesh& mesh, const WallBlocks& blocks, const WallLine& line,
                                  Index layers);
 
+/// Scaled Jacobian (least corner) of each cell on the columns, layer by layer of their faces.
+std::vector<float> column_values(const BlockMesh& mesh, const WallBlocks& blocks, const WallColumns& columns);
+
 /// Puts the points of symmetry patches exactly into the plane.
 void flatten_symmetry(BlockMesh& mesh, const WallBlocks& blocks);
 

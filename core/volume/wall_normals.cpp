@@ -3,27 +3,11 @@
 #include <cmath>
 
 #include "core/base/parallel.hpp"
-#include "core/mesh/hex_numbering.hpp"
 #include "core/volume/corner_fan.hpp"
 #include "core/volume/wall_columns.hpp"
 
 namespace flowcage {
 namespace {
-
-/// Scaled Jacobian at the worst corner of the hex over a wall face between layers k and k + 1.
-double worst_corner(const std::array<Vec3, 8>& p) {
-  double worst = 1;
-  for (int c = 0; c < 8; ++c) {
-    const auto [i, j, k] = hex_corner_ijk[c];
-    Vec3 a = p[hex_corner_at(1 - i, j, k)] - p[c];
-    Vec3 b = p[hex_corner_at(i, 1 - j, k)] - p[c];
-    Vec3 d = p[hex_corner_at(i, j, 1 - k)] - p[c];
-    const double sign = ((i + j + k) % 2 == 0 ? 1 : -1) / (a.norm() * b.norm() * d.norm());
-    const double value = sign * a.cross(b).dot(d);
-    worst = std::min(worst, std::isfinite(value) ? value : -1);
-  }
-  return worst;
-}
 
 class LineTurner {
  public:
@@ -41,7 +25,7 @@ class LineTurner {
   NormalReport run() {
     NormalReport report;
     std::tie(report.min_cosine_before, report.mean_cosine_before) = cosines();
-    const std::vector<float> before = cell_values();
+    const std::vector<float> before = column_values(mesh_, blocks_, columns_);
     const double full = settings_.reach * diagonal_;
     std::vector<double> reach(columns_.lines.size(), full);
     std::vector<double> weight(columns_.lines.size(), 1);
@@ -101,28 +85,8 @@ class LineTurner {
     });
   }
 
-  /// Of each cell, in the order layer by layer of the wall's faces.
-  std::vector<float> cell_values() const {
-    const auto faces = static_cast<Offset>(columns_.faces.size());
-    std::vector<float> values(faces * columns_.layers);
-    const auto points = mesh_.points();
-    parallel_for(faces, 64, [&](Offset begin, Offset end) {
-      for (Offset f = begin; f < end; ++f) {
-        std::array<Vec3, 8> p;
-        for (Index k = 0; k <= columns_.layers; ++k) {
-          for (int c = 0; c < 4; ++c) {
-            p[c] = p[c + 4];
-            p[c + 4] = points[point(columns_.lines[columns_.faces[f][c]], k)];
-          }
-          if (k > 0) values[f + faces * (k - 1)] = static_cast<float>(worst_corner(p));
-        }
-      }
-    });
-    return values;
-  }
-
   std::vector<char> bad_lines(const std::vector<float>& before) const {
-    const std::vector<float> now = cell_values();
+    const std::vector<float> now = column_values(mesh_, blocks_, columns_);
     const std::size_t faces = columns_.faces.size();
     std::vector<char> bad(columns_.lines.size(), 0);
     for (std::size_t n = 0; n < now.size(); ++n) {

@@ -30,6 +30,17 @@ inline Cage box_cage(const Vec3& half, bool open = false) {
   return make_cage(points, faces);
 }
 
+/// A closed box about the origin with its 12 edges sharp.
+inline Cage sharp_box_cage(const Vec3& half) {
+  Cage cage = box_cage(half);
+  for (Index a = 0; a < 8; ++a) {
+    for (const Index bit : {1, 2, 4}) {
+      if ((a & bit) == 0) cage.creases.push_back({a, a | bit, infinitely_sharp});
+    }
+  }
+  return cage;
+}
+
 /// n sections of m vertices about the z axis.
 inline Cage torus_cage(int n, int m, double major, double minor) {
   std::vector<Vec3> points;
