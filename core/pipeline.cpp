@@ -215,7 +215,10 @@ BlockMesh shaped_blocks(const Shell& shell, const VolumeSettings& settings, cons
         mesh, shell, fit.levels[level].topology,
         {fit.levels[level].control_points, drawn ? std::span<const Vec3>(outer) : std::span<const Vec3>()});
     if (!drawn) project_outer(mesh, shell);
-    if (level == shell.cage_level + 1) spread_lines(mesh, shell);
+    // Each refinement takes the root of the growth along the lines.
+    if (level == shell.cage_level + 1) {
+      spread_lines(mesh, shell, std::max(1.5, std::pow(default_growth, std::exp2(last - level))));
+    }
     if (mesh.cell_count() <= whole_mesh_cells) {
       smooth_blocks(mesh, shell, progress);
     } else {

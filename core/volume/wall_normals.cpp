@@ -35,14 +35,15 @@ class LineTurner {
       const std::vector<char> bad = bad_lines(before);
       settled = std::find(bad.begin(), bad.end(), 1) == bad.end();
       if (settled) break;
-      const bool early = report.passes < settings_.max_passes / 2;
       for (std::size_t l = 0; l < bad.size(); ++l) {
         if (bad[l] == 0) continue;
-        weight[l] *= early ? 0.67 : 0;
-        reach[l] *= 0.8;
+        // First nearer to the wall; where nothing is left of that, less.
+        const bool out_of_reach = reach[l] < 2 * first_cell_[l];
+        if (out_of_reach) weight[l] = report.passes < settings_.max_passes * 3 / 4 ? 0.67 * weight[l] : 0;
+        reach[l] = std::max(0.6 * reach[l], first_cell_[l]);
       }
-      bound_slope(reach, 0.5);
-      bound_slope(weight, 0.5 / full);
+      bound_slope(reach, [](Index, Index) { return 0.5; });
+      bound_slope(weight, [&](Index a, Index b) { return 0.5 / std::max(reach[a], reach[b]); });
     }
     if (!settled) {  // the lines as they were
       std::fill(weight.begin(), weight.end(), 0.0);
@@ -62,6 +63,7 @@ class LineTurner {
     normal_ = line_normals(mesh_, blocks_, columns_);
     for (std::size_t l = 0; l < normal_.size(); ++l) {
       const Vec3 along = start_[point(columns_.lines[l], 1)] - start_[point(columns_.lines[l], 0)];
+      first_cell_.push_back(along.norm());
       if (normal_[l].norm() > 0 && along.norm() > 0) turn_[l] = normal_[l] - along.normalized();
     }
   }
@@ -100,9 +102,10 @@ class LineTurner {
   }
 
   /// Lowers values until neighbours differ by no more than slope times their distance. A point moves by at
-  /// most half of weight times reach, so with slopes of 0.5 (of weights: over the full reach) neighbouring
-  /// lines do not run into each other.
-  void bound_slope(std::vector<double>& value, double slope) const {
+  /// most half of weight times reach, so with slopes of 0.5 (of weights: over the reach) neighbouring lines
+  /// do not run into each other.
+  template <typename Slope>
+  void bound_slope(std::vector<double>& value, const Slope& slope) const {
     constexpr int max_sweeps = 200;
     bool changed = true;
     for (int sweep = 0; sweep < max_sweeps && changed; ++sweep) {
@@ -113,7 +116,7 @@ class LineTurner {
           const Index b = edge[1 - side];
           const double distance =
               (start_[point(columns_.lines[a], 0)] - start_[point(columns_.lines[b], 0)]).norm();
-          const double bound = value[b] + slope * distance;
+          const double bound = value[b] + slope(a, b) * distance;
           if (value[a] > bound * (1 + 1e-12)) {
             value[a] = bound;
             changed = true;
@@ -149,6 +152,7 @@ class LineTurner {
   std::vector<Vec3> start_;  ///< all points as they were
   std::vector<Vec3> turn_;   ///< #lines, n - t
   std::vector<Vec3> normal_;
+  std::vector<double> first_cell_;  ///< #lines, lengths
 };
 
 }  // namespace

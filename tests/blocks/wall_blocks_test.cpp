@@ -25,8 +25,14 @@ TEST_CASE("blocks given in any orientation are seated as the shell's own") {
   for (std::size_t q = 0; q < turned.quads.size(); ++q) {
     if (turned.quad_hexes[q][1] == no_index) boundary.push_back({turned.quads[q], turned.quad_patch[q]});
   }
+  std::vector<SharpEdge> sharp;
+  for (std::size_t e = 0; e < turned.edges.size(); ++e) {
+    if (turned.edge_sharpness[e] > 0) {
+      sharp.push_back({turned.edges[e][0], turned.edges[e][1], turned.edge_sharpness[e]});
+    }
+  }
   const auto complex = std::make_shared<const HexComplex>(
-      build_hex_complex(turned.points, hexes, turned.patches, boundary, {}));
+      build_hex_complex(turned.points, hexes, turned.patches, boundary, sharp));
   std::vector<Index> corner(shell.wall.vertex_count());
   for (std::size_t v = 0; v < corner.size(); ++v) corner[v] = static_cast<Index>(v);
   const WallBlocks blocks = seat_blocks(complex, shell.wall, corner, "blocks");
