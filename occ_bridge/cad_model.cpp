@@ -51,6 +51,7 @@ Box3 bounds_of_surface(const TargetSurface& surface, Box3 bounds) {
 
 CadModel finished(occ::PreparedModel prepared, const CadReadSettings& settings, Progress& progress) {
   auto data = occ::build_model(std::move(prepared), settings, progress);
+  progress.step("prepare nearest points", 0.0);
   data->projector.emplace(data->faces);
   const std::vector<std::string>& notes = data->projector->notes();
   data->summary.warnings.insert(data->summary.warnings.end(), notes.begin(), notes.end());

@@ -9,7 +9,7 @@
 namespace flowcage {
 namespace {
 
-constexpr double least_uneven = 0.01;  // of max_size: cells below are not split for their parametrisation
+constexpr double least_uneven = 0.05;  // of max_size: cells below are not split for their parametrisation
 
 double cross(const Vec2& a, const Vec2& b) {
   return a.x() * b.y() - a.y() * b.x();
@@ -68,63 +68,144 @@ Vec2 reference_of(const Eigen::AlignedBox2d& box) {
   return box.min() + Vec2(0.4871, 0.5093).cwiseProduct(box.sizes());
 }
 
-/// Bound of the norm of the quadratic form (p q; q s) relative to the first fundamental form.
-double relative_norm(const PatchCurvature& at, double p, double q, double s) {
-  const double u = at.du.norm(), v = at.dv.norm();
-  if (!(u > 0) || !(v > 0)) return std::numeric_limits<double>::infinity();
-  const double cosine = std::min(1.0, std::abs(at.du.dot(at.dv)) / (u * v));
-  return (std::max(p / (u * u), s / (v * v)) + q / (u * v)) / (1 - cosine + 1e-12);
+/// A quadratic form (p q; q s) on parameters, with numbers or vectors as entries, in the orthonormal frame of
+/// the tangent plane at a point.
+template <typename Entry>
+struct FrameForm {
+  Entry p, q, s;
+};
+
+/// The tangent frame at a point: the parameters' change (1, 0) / along and (-turn, 1) / across has unit
+/// length.
+struct TangentFrame {
+  double along = 0, across = 0, turn = 0;
+
+  explicit TangentFrame(const PatchCurvature& at) {
+    const double square = at.du.squaredNorm();
+    if (!(square > 0)) return;
+    along = std::sqrt(square);
+    turn = at.du.dot(at.dv) / square;
+    across = (at.dv - turn * at.du).norm();
+  }
+  bool regular() const { return along > 0 && across > 0; }
+  template <typename Entry>
+  FrameForm<Entry> form(const Entry& p, const Entry& q, const Entry& s) const {
+    return {p / (along * along), (q - turn * p) / (along * across),
+            (s - 2 * turn * q + turn * turn * p) / (across * across)};
+  }
+};
+
+/// Largest absolute eigenvalue of H(at) - H(middle), H the Hessian of half the squared distance of the point
+/// `middle`, relative to the first fundamental form of the frame.
+double metric_difference(const TangentFrame& frame, const PatchCurvature& middle, const PatchCurvature& at) {
+  if (!frame.regular()) return std::numeric_limits<double>::infinity();
+  const Vec3 way = at.position - middle.position;
+  const auto [p, q, s] = frame.form(at.du.squaredNorm() + way.dot(at.duu) - middle.du.squaredNorm(),
+                                    at.du.dot(at.dv) + way.dot(at.duv) - middle.du.dot(middle.dv),
+                                    at.dv.squaredNorm() + way.dot(at.dvv) - middle.dv.squaredNorm());
+  return 0.5 * (std::abs(p + s) + std::hypot(p - s, 2 * q));
 }
 
-/// Bound of how much the Hessian of half the squared distance of the point `middle` differs between it and
-/// another point of the cell, relative to the first fundamental form.
-double metric_difference(const PatchCurvature& middle, const PatchCurvature& c) {
-  const Vec3 way = c.position - middle.position;
-  return relative_norm(middle, std::abs(c.du.squaredNorm() + way.dot(c.duu) - middle.du.squaredNorm()),
-                       std::abs(c.du.dot(c.dv) + way.dot(c.duv) - middle.du.dot(middle.dv)),
-                       std::abs(c.dv.squaredNorm() + way.dot(c.dvv) - middle.dv.squaredNorm()));
+/// Bound of the same for S'' . n, over all unit vectors n: what the Hessian changes by a unit of distance.
+double bend_difference(const TangentFrame& frame, const PatchCurvature& middle, const PatchCurvature& at) {
+  if (!frame.regular()) return std::numeric_limits<double>::infinity();
+  const auto [p, q, s] =
+      frame.form(Vec3(at.duu - middle.duu), Vec3(at.duv - middle.duv), Vec3(at.dvv - middle.dvv));
+  return std::max(p.norm(), s.norm()) + q.norm();
 }
+
+/// The surface over a box; parameters are fractions of it.
+class CellSurface {
+ public:
+  CellSurface(const BoundedPatch& patch, const Eigen::AlignedBox2d& box)
+      : CellSurface(patch, box, patch.bezier(box)) {}
+
+  std::array<CellSurface, 2> halves(int axis) const {
+    std::array<Eigen::AlignedBox2d, 2> boxes{box_, box_};
+    boxes[0].max()[axis] = boxes[1].min()[axis] = middle(axis);
+    if (!net_) return {CellSurface(patch_, boxes[0], {}), CellSurface(patch_, boxes[1], {})};
+    std::array<BezierNet, 2> nets = flowcage::halves(*net_, axis);
+    return {CellSurface(patch_, boxes[0], std::move(nets[0])),
+            CellSurface(patch_, boxes[1], std::move(nets[1]))};
+  }
+  const Eigen::AlignedBox2d& box() const { return box_; }
+  double middle(int axis) const { return 0.5 * (box_.min()[axis] + box_.max()[axis]); }
+  Vec2 deviation() const { return net_ ? bend(*net_) : patch_.deviation(box_); }
+  Vec3 corner(int s, int t) const {
+    if (net_) return net_->point(s * net_->degree_s, t * net_->degree_t);
+    return patch_.first({s == 0 ? box_.min().x() : box_.max().x(), t == 0 ? box_.min().y() : box_.max().y()})
+        .position;
+  }
+  PatchCurvature middle() const { return net_ ? middle_of(*net_) : second({0.5, 0.5}); }
+  /// At the nine pairs of 0, 1/2 and 1, as nine_samples.
+  std::array<PatchCurvature, 9> samples() const {
+    if (net_) return nine_samples(*net_);
+    std::array<PatchCurvature, 9> result;
+    for (int k = 0; k < 9; ++k) result[k] = second(0.5 * Vec2(k / 3, k % 3));
+    return result;
+  }
+
+ private:
+  CellSurface(const BoundedPatch& patch, const Eigen::AlignedBox2d& box, std::optional<BezierNet> net)
+      : patch_(patch), box_(box), net_(std::move(net)) {}
+
+  PatchCurvature second(const Vec2& fraction) const {
+    const Vec2 size = box_.sizes();
+    PatchCurvature c = patch_.second(box_.min() + fraction.cwiseProduct(size));
+    c.du *= size.x();
+    c.dv *= size.y();
+    c.duu *= size.x() * size.x();
+    c.duv *= size.x() * size.y();
+    c.dvv *= size.y() * size.y();
+    return c;
+  }
+
+  const BoundedPatch& patch_;
+  Eigen::AlignedBox2d box_;
+  std::optional<BezierNet> net_;
+};
 
 class Splitter {
  public:
   Splitter(const BoundedPatch& patch, Index number, const CellSettings& settings, TrimmedCells& result)
-      : patch_(patch), number_(number), settings_(settings), result_(result) {}
+      : domain_(patch.domain()), number_(number), settings_(settings), result_(result) {}
 
-  void split(const Eigen::AlignedBox2d& box, const std::vector<TrimSegment>& near, bool inside, int depth) {
+  void split(const CellSurface& surface, const std::vector<TrimSegment>& near, bool inside, int depth) {
     PatchCell cell;
-    cell.box = box;
+    cell.box = surface.box();
     cell.patch = number_;
-    cell.reference = reference_of(box);
+    cell.reference = reference_of(cell.box);
     cell.reference_inside = inside;
     if (near.empty() && !inside) return;
-    const Vec2 lengths = measure(cell);
-    const Vec2 deviation = patch_.deviation(box);
+    cell.p00 = surface.corner(0, 0);
+    cell.p10 = surface.corner(1, 0);
+    cell.p01 = surface.corner(0, 1);
+    cell.p11 = surface.corner(1, 1);
+    const Vec2 lengths = lengths_of(surface);
+    const Vec2 deviation = surface.deviation();
     const double twist = hull_gap(cell);
     const double diagonal = std::max((cell.p11 - cell.p00).norm(), (cell.p10 - cell.p01).norm());
     cell.slack = deviation.sum() + twist;
     const double size = std::max(diagonal, lengths.norm());
     const bool flat = cell.slack <= settings_.flatness * diagonal;
     const bool small = size <= (near.empty() ? settings_.max_size : settings_.max_trimmed_size);
-    const bool done = flat && small;
-    std::optional<int> uneven;
-    if (done && size > least_uneven * settings_.max_size) uneven = uneven_axis(cell);
-    if ((done && !uneven) || size <= settings_.min_size || depth >= settings_.max_depth) {
-      finish(cell, near);
-      return;
-    }
-    int axis = uneven.value_or(lengths.x() > lengths.y() ? 0 : 1);
+    const bool last = size <= settings_.min_size || depth >= settings_.max_depth;
+    int axis = lengths.x() > lengths.y() ? 0 : 1;
     if (!flat && std::max(deviation.x(), deviation.y()) > twist) axis = deviation.x() > deviation.y() ? 0 : 1;
-    const double middle = 0.5 * (box.min()[axis] + box.max()[axis]);
-    if (!(middle > box.min()[axis] && middle < box.max()[axis])) {
-      finish(cell, near);
-      return;
+    if (last || (flat && small)) {
+      const auto samples = surface.samples();
+      std::optional<int> uneven;
+      if (!last && size > least_uneven * settings_.max_size) uneven = uneven_axis(samples);
+      if (!uneven) return finish(cell, samples, near);
+      axis = *uneven;
     }
-    for (const bool upper : {false, true}) {
-      Eigen::AlignedBox2d half = box;
-      (upper ? half.min() : half.max())[axis] = middle;
-      const Vec2 reference = reference_of(half);
-      const bool half_inside = inside != odd_crossings(cell.reference, reference, near);
-      split(half, near_box(half, near, lengths), half_inside, depth + 1);
+    const double middle = surface.middle(axis);
+    if (!(middle > cell.box.min()[axis] && middle < cell.box.max()[axis])) {
+      return finish(cell, surface.samples(), near);
+    }
+    for (const CellSurface& half : surface.halves(axis)) {
+      const bool half_inside = inside != odd_crossings(cell.reference, reference_of(half.box()), near);
+      split(half, near_box(half.box(), near, lengths), half_inside, depth + 1);
     }
   }
 
@@ -145,62 +226,49 @@ class Splitter {
     return near;
   }
 
-  /// Corners, and the lengths in space of the box along u and v.
-  Vec2 measure(PatchCell& cell) const {
-    const Vec2 low = cell.box.min(), high = cell.box.max();
-    cell.p00 = patch_.first(low).position;
-    cell.p10 = patch_.first({high.x(), low.y()}).position;
-    cell.p01 = patch_.first({low.x(), high.y()}).position;
-    cell.p11 = patch_.first(high).position;
-    const PatchPoint middle = patch_.first(cell.box.center());
-    return {std::max({(cell.p10 - cell.p00).norm(), (cell.p11 - cell.p01).norm(),
-                      middle.du.norm() * cell.box.sizes().x()}),
-            std::max({(cell.p01 - cell.p00).norm(), (cell.p11 - cell.p10).norm(),
-                      middle.dv.norm() * cell.box.sizes().y()})};
+  /// The lengths in space of the box along u and v.
+  static Vec2 lengths_of(const CellSurface& surface) {
+    const Vec3 p00 = surface.corner(0, 0), p10 = surface.corner(1, 0), p01 = surface.corner(0, 1),
+               p11 = surface.corner(1, 1);
+    const PatchCurvature middle = surface.middle();
+    return {std::max({(p10 - p00).norm(), (p11 - p01).norm(), middle.du.norm()}),
+            std::max({(p01 - p00).norm(), (p11 - p10).norm(), middle.dv.norm()})};
   }
 
  private:
   /// The axis along which the parametrisation's speed changes most, if it is so much that nearest points of
   /// near queries could not be shown to be the only ones.
-  std::optional<int> uneven_axis(const PatchCell& cell) const {
+  static std::optional<int> uneven_axis(const std::array<PatchCurvature, 9>& samples) {
     constexpr double most = 0.3;
-    const PatchCurvature middle = patch_.second(cell.box.center());
-    std::array<double, 2> change{};
-    for (int axis = 0; axis < 2; ++axis) {
-      for (const double end : {0.0, 1.0}) {
-        Vec2 fraction(0.5, 0.5);
-        fraction[axis] = end;
-        const PatchCurvature c = patch_.second(cell.box.min() + fraction.cwiseProduct(cell.box.sizes()));
-        change[axis] = std::max(change[axis], metric_difference(middle, c));
-      }
-    }
+    const PatchCurvature& middle = samples[4];
+    const TangentFrame frame(middle);
+    const std::array<double, 2> change{
+        std::max(metric_difference(frame, middle, samples[1]), metric_difference(frame, middle, samples[7])),
+        std::max(metric_difference(frame, middle, samples[3]), metric_difference(frame, middle, samples[5]))};
     const int axis = change[0] > change[1] ? 0 : 1;
     if (!(change[axis] > most) || !std::isfinite(change[axis])) return std::nullopt;
     return axis;
   }
 
-  void finish(PatchCell& cell, const std::vector<TrimSegment>& near) {
+  void finish(PatchCell& cell, const std::array<PatchCurvature, 9>& samples,
+              const std::vector<TrimSegment>& near) {
     std::vector<Vec3> normals;
     Vec3 sum = Vec3::Zero();
     bool regular = true;
-    const PatchCurvature middle = patch_.second(cell.box.center());
-    for (const double a : {0.0, 0.5, 1.0}) {
-      for (const double b : {0.0, 0.5, 1.0}) {
-        const PatchCurvature c = patch_.second(cell.box.min() + Vec2(a, b).cwiseProduct(cell.box.sizes()));
-        const double u = c.du.norm(), v = c.dv.norm();
-        const Vec3 n = c.du.cross(c.dv);
-        if (!(n.norm() > 1e-6 * u * v) || !(u > 0) || !(v > 0)) {
-          regular = false;
-          continue;
-        }
-        // H = I + r . S'' with r = (middle - query) + (S - middle): what differs from the middle's.
-        cell.bend_change = std::max(
-            cell.bend_change, relative_norm(middle, (c.duu - middle.duu).norm(), (c.duv - middle.duv).norm(),
-                                            (c.dvv - middle.dvv).norm()));
-        cell.metric_change = std::max(cell.metric_change, metric_difference(middle, c));
-        normals.push_back(n.normalized());
-        sum += normals.back();
+    const PatchCurvature& middle = samples[4];
+    const TangentFrame frame(middle);
+    for (const PatchCurvature& c : samples) {
+      const double u = c.du.norm(), v = c.dv.norm();
+      const Vec3 n = c.du.cross(c.dv);
+      if (!(n.norm() > 1e-6 * u * v) || !(u > 0) || !(v > 0)) {
+        regular = false;
+        continue;
       }
+      // H = I + r . S'' with r = (middle - query) + (S - middle): what differs from the middle's.
+      cell.bend_change = std::max(cell.bend_change, bend_difference(frame, middle, c));
+      cell.metric_change = std::max(cell.metric_change, metric_difference(frame, middle, c));
+      normals.push_back(n.normalized());
+      sum += normals.back();
     }
     if (!regular) cell.metric_change = std::numeric_limits<double>::infinity();
     if (normals.size() >= 6 && sum.norm() > 0.1) {
@@ -213,11 +281,10 @@ class Splitter {
       const double angle = 1.5 * widest + 0.02;
       cell.normal_cosine = angle < 3 ? std::cos(angle) : -1;
     }
-    const Eigen::AlignedBox2d domain = patch_.domain();
     for (int axis = 0; axis < 2; ++axis) {
-      if (settings_.open_sides[2 * axis] && cell.box.min()[axis] <= domain.min()[axis])
+      if (settings_.open_sides[2 * axis] && cell.box.min()[axis] <= domain_.min()[axis])
         cell.at_open_side = true;
-      if (settings_.open_sides[2 * axis + 1] && cell.box.max()[axis] >= domain.max()[axis]) {
+      if (settings_.open_sides[2 * axis + 1] && cell.box.max()[axis] >= domain_.max()[axis]) {
         cell.at_open_side = true;
       }
     }
@@ -227,7 +294,7 @@ class Splitter {
     result_.cells.push_back(cell);
   }
 
-  const BoundedPatch& patch_;
+  Eigen::AlignedBox2d domain_;
   Index number_;
   const CellSettings& settings_;
   TrimmedCells& result_;
@@ -241,12 +308,12 @@ void append_cells(const BoundedPatch& patch, Index patch_number, const TrimOutli
   const std::vector<double> u = patch.breaks(0), v = patch.breaks(1);
   for (std::size_t i = 0; i + 1 < u.size(); ++i) {
     for (std::size_t j = 0; j + 1 < v.size(); ++j) {
-      PatchCell cell;
-      cell.box = Eigen::AlignedBox2d(Vec2(u[i], v[j]), Vec2(u[i + 1], v[j + 1]));
-      const bool inside = outline.reference_inside !=
-                          odd_crossings(outline.reference, reference_of(cell.box), outline.segments);
-      const auto near = splitter.near_box(cell.box, outline.segments, splitter.measure(cell));
-      splitter.split(cell.box, near, inside, 0);
+      const CellSurface surface(patch, {Vec2(u[i], v[j]), Vec2(u[i + 1], v[j + 1])});
+      const Vec2 reference = reference_of(surface.box());
+      const bool inside =
+          outline.reference_inside != odd_crossings(outline.reference, reference, outline.segments);
+      const auto near = splitter.near_box(surface.box(), outline.segments, Splitter::lengths_of(surface));
+      splitter.split(surface, near, inside, 0);
     }
   }
 }

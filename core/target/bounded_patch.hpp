@@ -1,8 +1,9 @@
 #pragma once
+#include <optional>
 #include <span>
 #include <vector>
 
-#include "core/target/parametric_patch.hpp"
+#include "core/target/bezier_net.hpp"
 
 namespace flowcage {
 
@@ -16,6 +17,10 @@ class BoundedPatch : public ParametricPatch {
   /// Every point of the surface over the box is within the sum of the two numbers of the convex hull of the
   /// box's four corner points: what bends along u and what bends along v.
   virtual Vec2 deviation(const Eigen::AlignedBox2d& box) const = 0;
+
+  /// The surface over such a box in Bezier form, if it has one: bounds and samples of the box and of all its
+  /// halves are cheaper from that.
+  virtual std::optional<BezierNet> bezier(const Eigen::AlignedBox2d&) const { return std::nullopt; }
 
   /// The points at all pairs of u and v, that of (u[i], v[j]) at [j * u.size() + i].
   virtual void positions(std::span<const double> u, std::span<const double> v, std::span<Vec3> points) const {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "core/target/bspline_basis.hpp"
 
@@ -108,16 +107,7 @@ PatchCurvature BSplinePatch::second(const Vec2& uv) const {
     uv_ += bu[1][i] * c1;
     vv += bu[0][i] * c2;
   }
-  // S = A / w; the quotient rule (The NURBS Book, 4.20)
-  PatchCurvature c;
-  const double w = r[3];
-  c.position = r.head<3>() / w;
-  c.du = (u.head<3>() - u[3] * c.position) / w;
-  c.dv = (v.head<3>() - v[3] * c.position) / w;
-  c.duu = (uu.head<3>() - 2 * u[3] * c.du - uu[3] * c.position) / w;
-  c.duv = (uv_.head<3>() - u[3] * c.dv - v[3] * c.du - uv_[3] * c.position) / w;
-  c.dvv = (vv.head<3>() - 2 * v[3] * c.dv - vv[3] * c.position) / w;
-  return c;
+  return quotient({r, u, v, uu, uv_, vv});
 }
 
 void BSplinePatch::positions(std::span<const double> u, std::span<const double> v,
@@ -163,7 +153,7 @@ std::vector<double> BSplinePatch::breaks(int axis) const {
   return result;
 }
 
-Vec2 BSplinePatch::deviation(const Eigen::AlignedBox2d& box) const {
+std::optional<BezierNet> BSplinePatch::bezier(const Eigen::AlignedBox2d& box) const {
   const BSplineSurface& s = *surface_;
   const int p = s.degree_u, q = s.degree_v, count_v = s.count_v(), dim = s.weights.empty() ? 3 : 4;
   const Vec2 middle = box.center();
@@ -173,39 +163,27 @@ Vec2 BSplinePatch::deviation(const Eigen::AlignedBox2d& box) const {
   bezier_rows(s.knots_u, p, span_u, Vec2(box.min().x(), box.max().x()), ru);
   bezier_rows(s.knots_v, q, span_v, Vec2(box.min().y(), box.max().y()), rv);
   const int nu = p + 1, nv = q + 1;
-  std::vector<Eigen::Vector4d> half(static_cast<std::size_t>(nu) * nv, Eigen::Vector4d(0, 0, 0, 0)),
-      net(half);
+  std::vector<Eigen::Vector4d> half(static_cast<std::size_t>(nu) * nv, Eigen::Vector4d(0, 0, 0, 0));
+  BezierNet net{p, q, half};
   for (int i = 0; i < nu; ++i) {
     for (int j = 0; j < nv; ++j) {
-      Eigen::Vector4d sum(0, 0, 0, 0);
       for (int k = 0; k < nv; ++k) {
         const double* pole = net_.data() + dim * ((span_u - p + i) * count_v + span_v - q + k);
-        sum += rv[j * nv + k] * Eigen::Vector4d(pole[0], pole[1], pole[2], dim == 4 ? pole[3] : 1.0);
+        half[i * nv + j] +=
+            rv[j * nv + k] * Eigen::Vector4d(pole[0], pole[1], pole[2], dim == 4 ? pole[3] : 1.0);
       }
-      half[i * nv + j] = sum;
     }
   }
-  double smallest = std::numeric_limits<double>::infinity();
   for (int i = 0; i < nu; ++i) {
     for (int j = 0; j < nv; ++j) {
-      Eigen::Vector4d sum(0, 0, 0, 0);
-      for (int k = 0; k < nu; ++k) sum += ru[i * nu + k] * half[k * nv + j];
-      net[i * nv + j] = sum;
-      smallest = std::min(smallest, sum[3]);
+      for (int k = 0; k < nu; ++k) net.poles[i * nv + j] += ru[i * nu + k] * half[k * nv + j];
     }
   }
-  // S is a convex combination of the projected poles; a pole differs from the bilinear net's, which lies in
-  // the corners' hull, by at most the bend of its row and that of a side.
-  Vec2 bend = Vec2::Zero();
-  const auto point = [&](int i, int j) { return Vec3(net[i * nv + j].head<3>() / net[i * nv + j][3]); };
-  for (int i = 0; i < nu; ++i) {
-    for (int j = 0; j < nv; ++j) {
-      const double a = static_cast<double>(i) / p, b = static_cast<double>(j) / q;
-      bend.x() = std::max(bend.x(), (point(i, j) - (1 - a) * point(0, j) - a * point(p, j)).norm());
-      bend.y() = std::max(bend.y(), (point(i, j) - (1 - b) * point(i, 0) - b * point(i, q)).norm());
-    }
-  }
-  return smallest > 0 ? bend : Vec2::Constant(std::numeric_limits<double>::infinity());
+  return net;
+}
+
+Vec2 BSplinePatch::deviation(const Eigen::AlignedBox2d& box) const {
+  return bend(*bezier(box));
 }
 
 }  // namespace flowcage

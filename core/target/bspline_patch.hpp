@@ -35,7 +35,8 @@ class BSplinePatch final : public BoundedPatch {
   bool periodic_v() const override { return false; }
 
   std::vector<double> breaks(int axis) const override;
-  /// From the box's Bezier net, so a true bound (convex-hull property; positive weights).
+  std::optional<BezierNet> bezier(const Eigen::AlignedBox2d& box) const override;
+  /// From the box's Bezier net, so a true bound.
   Vec2 deviation(const Eigen::AlignedBox2d& box) const override;
   void positions(std::span<const double> u, std::span<const double> v, std::span<Vec3> points) const override;
 

@@ -89,3 +89,25 @@ TEST_CASE("cells of a trimmed plane: the area inside, points on both sides, poin
     CHECK(trim_side(cells, cell, patch.first(uv), uv - Vec2(1e-4, 0), 1e-6) == TrimSide::inside);
   }
 }
+
+TEST_CASE("cells follow the parametrisation's speed, not the inverse of its angle") {
+  // (u + shear w, w, 0) with w = v + 3 v^2: the speed along v grows to the sevenfold.
+  const auto count = [](double shear) {
+    auto plane = std::make_shared<BSplineSurface>();
+    plane->degree_u = 1;
+    plane->degree_v = 2;
+    plane->knots_u = {0, 0, 1, 1};
+    plane->knots_v = {0, 0, 0, 1, 1, 1};
+    for (const double x : {0.0, 4.0}) {
+      for (const double w : {0.0, 0.5, 4.0}) plane->poles.emplace_back(x + shear * w, w, 0);
+    }
+    const BSplinePatch patch(plane, {Vec2(0, 0), Vec2(1, 1)});
+    CellSettings settings;
+    settings.max_size = settings.max_trimmed_size = 4;
+    TrimmedCells cells;
+    append_cells(patch, 0, {}, settings, cells);
+    return cells.cells.size();
+  };
+  CHECK(count(0) < 40);
+  CHECK(count(2) < 1000);
+}

@@ -112,6 +112,35 @@ TEST_CASE("a window evaluates knots from its own side") {
   CHECK(left.breaks(0) == std::vector<double>{0, 1});
 }
 
+TEST_CASE("the Bezier form of a box, and what is halved out of it, is the surface") {
+  for (const bool rational : {false, true}) {
+    for (const auto& [p, q] : {std::pair{1, 3}, {3, 3}, {5, 2}, {22, 3}}) {
+      INFO("degrees " << p << ' ' << q << " rational " << rational);
+      const BSplinePatch patch(random_surface(p, q, rational), unit_square);
+      const Eigen::AlignedBox2d box(Vec2(0.24, 0.52), Vec2(0.44, 0.84));
+      const BezierNet upper = halves(*patch.bezier(box), 0)[1], part = halves(upper, 1)[0];
+      const Eigen::AlignedBox2d of_part(Vec2(0.34, 0.52), Vec2(0.44, 0.68));
+      const auto samples = nine_samples(part);
+      for (int k = 0; k < 9; ++k) {
+        const Vec2 size = of_part.sizes(), fraction = 0.5 * Vec2(k / 3, k % 3);
+        const PatchCurvature c = patch.second(of_part.min() + fraction.cwiseProduct(size));
+        const auto near = [&](const Vec3& a, const Vec3& b) {
+          return (a - b).norm() < 1e-11 * (1 + b.norm());
+        };
+        CHECK(near(samples[k].position, c.position));
+        CHECK(near(samples[k].du, size.x() * c.du));
+        CHECK(near(samples[k].dv, size.y() * c.dv));
+        CHECK(near(samples[k].duu, size.x() * size.x() * c.duu));
+        CHECK(near(samples[k].duv, size.x() * size.y() * c.duv));
+        CHECK(near(samples[k].dvv, size.y() * size.y() * c.dvv));
+      }
+      CHECK((part.point(p, 0) - samples[6].position).norm() < 1e-12);
+      CHECK((middle_of(part).duv - samples[4].duv).norm() == 0);
+      CHECK(bend(part).sum() < 0.5 * bend(upper).sum());
+    }
+  }
+}
+
 TEST_CASE("the deviation bounds the distance from the corners' hull, and falls with the square of the box") {
   for (const bool rational : {false, true}) {
     const BSplinePatch patch(random_surface(3, 3, rational), unit_square);
