@@ -56,7 +56,7 @@ Json border_json(const OpenBorder& border) {
 }  // namespace
 
 Json cad_json(const CadSummary& summary) {
-  Json names = Json::array(), sources = Json::array(), borders = Json::array();
+  Json names = Json::array(), sources = Json::array(), borders = Json::array(), overlaps = Json::array();
   for (const CadFile& file : summary.files) {
     names.push_back(file.name);
     sources.push_back({{"file", file.name},
@@ -68,6 +68,13 @@ Json cad_json(const CadSummary& summary) {
                        {"diagonal", file.diagonal}});
   }
   for (const OpenBorder& border : summary.borders) borders.push_back(border_json(border));
+  for (const CadOverlap& overlap : summary.overlaps) {
+    overlaps.push_back({{"bodies", overlap.bodies},
+                        {"united", overlap.united},
+                        {"split_faces", overlap.split_faces},
+                        {"hidden_pieces", overlap.hidden_pieces},
+                        {"problem", overlap.problem}});
+  }
   return {{"files", names},
           {"unit", unit_symbol(summary)},
           {"faces", summary.faces},
@@ -91,6 +98,8 @@ Json cad_json(const CadSummary& summary) {
           {"edges_of_more_than_two_faces", summary.crowded_edges},
           {"sharp_chains", summary.sharp_chains},
           {"boundary_chains", summary.boundary_chains},
+          {"overlaps", overlaps},
+          {"intersection_chains", summary.intersection_chains},
           {"corners", summary.corners},
           {"solid_names", summary.solid_names},
           {"groups", counts(summary.groups)},

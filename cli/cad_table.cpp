@@ -65,6 +65,15 @@ std::string free_edges_text(const CadSummary& cad) {
   return text;
 }
 
+std::string overlap_text(const CadOverlap& overlap) {
+  std::string bodies;
+  for (const Index body : overlap.bodies) bodies += fmt::format("{}{}", bodies.empty() ? "" : ", ", body);
+  if (!overlap.united)
+    return fmt::format("bodies {} of those read: not united ({})", bodies, overlap.problem);
+  return fmt::format("bodies {} of those read: united, {} face(s) cut, {} hidden piece(s) left out", bodies,
+                     overlap.split_faces, overlap.hidden_pieces);
+}
+
 std::string model_text(const CadSummary& cad) {
   const Vec3 size = cad.bounds.sizes();
   std::string text = "model, in metres\n";
@@ -74,6 +83,7 @@ std::string model_text(const CadSummary& cad) {
                                   cad.diagonal));
   text += row("bodies", fmt::format("{} solid(s), {} shell(s), {} of them open", cad.solids, cad.shells,
                                     cad.open_shells));
+  for (const CadOverlap& overlap : cad.overlaps) text += row("overlap", overlap_text(overlap));
   std::string kinds;
   for (const NamedCount& kind : cad.faces_by_kind) {
     kinds += fmt::format("{}{} {}", kinds.empty() ? ": " : ", ", kind.count, kind.name);
@@ -88,6 +98,9 @@ std::string model_text(const CadSummary& cad) {
                           cad.partly_sharp_edges > 0
                               ? fmt::format(", {} sharp on a part of their length", cad.partly_sharp_edges)
                               : ""));
+  if (cad.intersection_chains > 0) {
+    text += row("", fmt::format("of them {} chain(s) where bodies meet", cad.intersection_chains));
+  }
   text += row("open border", fmt::format("{} chain(s)", cad.boundary_chains));
   text += row("corners", fmt::format("{}", cad.corners));
   return text;

@@ -45,6 +45,7 @@ CadReadSettings cad_settings(const Options& options) {
   settings.crease_angle_degrees = options.crease_angle;
   settings.include = options.include;
   settings.exclude = options.exclude;
+  settings.unite = options.unite;
   return settings;
 }
 

@@ -33,6 +33,7 @@ struct Options {
   double tolerance = 1e-4;
   std::optional<Offset> cells;
   double crease_angle = 20;
+  bool unite = true;
   bool snap = true;
   int sample = 0;
   bool limit = false;

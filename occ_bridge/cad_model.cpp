@@ -12,6 +12,7 @@
 #include "occ_bridge/internal/read_files.hpp"
 #include "occ_bridge/internal/shape_rep.hpp"
 #include "occ_bridge/internal/sniff.hpp"
+#include "occ_bridge/internal/unite.hpp"
 
 namespace flowcage {
 
@@ -50,6 +51,7 @@ Box3 bounds_of_surface(const TargetSurface& surface, Box3 bounds) {
 }
 
 CadModel finished(occ::PreparedModel prepared, const CadReadSettings& settings, Progress& progress) {
+  if (settings.unite) prepared = occ::united(std::move(prepared), settings, progress);
   auto data = occ::build_model(std::move(prepared), settings, progress);
   progress.step("prepare nearest points", 0.0);
   data->projector.emplace(data->faces);

@@ -21,8 +21,9 @@ struct CadReadSettings {
   double deflection = 1e-3;                                 ///< of the tessellation from the exact surface
   double tessellation_angle_degrees = 15;
   /// For reading and repairing, as damaged files can keep the kernel busy for ever: so long, and longer with
-  /// the files' size. (The slowest of 39 real files took 3 s of CPU time.)
+  /// the files' size (the slowest of 39 real files took 3 s of CPU time). The first again for uniting.
   double time_limit_seconds = 40, time_limit_per_megabyte = 60;
+  bool unite = true;  ///< bodies that overlap or touch become their outer skin
   /// Which faces are taken, by name, layer, colour or number (docs/cad.md): those that match an `include`
   /// (all where there is none) and no `exclude`.
   std::vector<std::string> include{}, exclude{};
@@ -59,6 +60,15 @@ struct NamedCount {
   Index count = 0;
 };
 
+/// Bodies that pass through each other or touch, and what became of them.
+struct CadOverlap {
+  std::vector<Index> bodies;  ///< numbers from 1, in the order in which the model holds them before uniting
+  bool united = false;
+  Index split_faces = 0;    ///< cut along intersection curves
+  Index hidden_pieces = 0;  ///< faces and pieces of faces left out, since they are inside of another body
+  std::string problem;      ///< why they are not united
+};
+
 /// What `flowcage inspect` shows. Lengths in metres; counts are of the sewn model.
 struct CadSummary {
   std::vector<CadFile> files;
@@ -75,6 +85,8 @@ struct CadSummary {
   Index sharp_edges = 0, partly_sharp_edges = 0;  ///< the second: sharp on a part of their length only
   Index crowded_edges = 0;                        ///< of more than two faces
   Index sharp_chains = 0, boundary_chains = 0, corners = 0;
+  std::vector<CadOverlap> overlaps;
+  Index intersection_chains = 0;  ///< feature chains along which united bodies meet
   Index triangles = 0;
   Index faces_left_out = 0;                               ///< by include and exclude
   std::vector<OpenBorder> borders;                        ///< what the free edges are
@@ -120,10 +132,10 @@ class CadModel final : public TargetSurface {
 
 /// Reads, in a process of its own that a damaged file may crash, STEP, IGES and BREP files (told apart by
 /// content) into one model. Sews what is open, makes closed shells solids, splits faces at sharp knot lines,
-/// and finds features. face_name() is the group of the face. What can be worked around is a line in
-/// summary().warnings and progress.warn(). Throws Error(input) naming the file for one that is missing, no
-/// CAD, cut off, damaged or without a surface, and Error(usage) for a pattern of include or exclude that
-/// matches nothing.
+/// unites bodies that overlap or touch (docs/cad.md), and finds features. face_name() is the group of the
+/// face. What can be worked around is a line in summary().warnings and progress.warn(). Throws Error(input)
+/// naming the file for one that is missing, no CAD, cut off, damaged or without a surface, and Error(usage)
+/// for a pattern of include or exclude that matches nothing.
 CadModel read_cad(std::span<const std::string> files, const CadReadSettings& settings, Progress& progress);
 
 /// The same for a shape built in code.

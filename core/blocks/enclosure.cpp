@@ -1,9 +1,11 @@
 #include "core/blocks/enclosure.hpp"
 
 #include <fmt/format.h>
+#include <numbers>
 
 #include "core/base/error.hpp"
 #include "core/base/parallel.hpp"
+#include "core/project/winding_number.hpp"
 
 namespace flowcage {
 namespace {
@@ -105,18 +107,9 @@ double signed_volume(const TriangleSoup& surface) {
 }
 
 double winding_number(const TriangleSoup& surface, const Vec3& p) {
-  double solid_angle = 0;
-  for (const auto& t : surface.triangles) {
-    const Vec3 a = t[0] - p;
-    const Vec3 b = t[1] - p;
-    const Vec3 c = t[2] - p;
-    const double la = a.norm();
-    const double lb = b.norm();
-    const double lc = c.norm();
-    solid_angle +=
-        2 * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
-  }
-  return solid_angle / (4 * 3.14159265358979323846);
+  double sum = 0;
+  for (const auto& [a, b, c] : surface.triangles) sum += solid_angle(a - p, b - p, c - p);
+  return sum / (4 * std::numbers::pi);
 }
 
 std::optional<std::string> enclosure_defect(const Polyhedron& inner, const Polyhedron& outer,

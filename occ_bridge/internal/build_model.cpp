@@ -174,6 +174,11 @@ std::shared_ptr<CadModel::Data> build_model(PreparedModel prepared, const CadRea
   summary.corners = static_cast<Index>(data->features.corners.size());
   for (const FeatureChain& chain : data->features.chains) {
     ++(chain.kind == ChainKind::sharp ? summary.sharp_chains : summary.boundary_chains);
+    const auto body = [&](Index face) { return prepared.bodies[face]; };
+    const bool meeting = !prepared.bodies.empty() && std::ranges::any_of(chain.faces, [&](Index face) {
+      return body(face) != body(chain.faces.front());
+    });
+    summary.intersection_chains += meeting ? 1 : 0;
   }
 
   data->labels = std::move(prepared.labels);

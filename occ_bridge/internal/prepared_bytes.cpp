@@ -11,6 +11,7 @@ namespace flowcage {
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CadFile, name, format, unit, unit_in_metres, solids, faces, diagonal)
 // Kind and bounds are found on the other side.
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CadFace, number, name, solid, part, instance, layer, color, file, group)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CadOverlap, bodies, united, split_faces, hidden_pieces, problem)
 
 namespace occ {
 
@@ -19,6 +20,8 @@ std::string bytes_of(const PreparedModel& model) {
   const nlohmann::json facts{{"metres", model.metres},
                              {"deflection", model.deflection},
                              {"labels", model.labels},
+                             {"bodies", model.bodies},
+                             {"overlaps", summary.overlaps},
                              {"files", summary.files},
                              {"unit", summary.unit},
                              {"free_edges_before", summary.free_edges_before},
@@ -46,6 +49,8 @@ PreparedModel prepared_from(const std::string& bytes) {
   model.metres = facts["metres"];
   model.deflection = facts["deflection"];
   model.labels = facts["labels"].get<std::vector<CadFace>>();
+  model.bodies = facts["bodies"].get<std::vector<Index>>();
+  model.summary.overlaps = facts["overlaps"].get<std::vector<CadOverlap>>();
   model.summary.files = facts["files"].get<std::vector<CadFile>>();
   model.summary.unit = facts["unit"];
   model.summary.free_edges_before = facts["free_edges_before"];

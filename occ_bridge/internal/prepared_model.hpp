@@ -14,6 +14,7 @@ struct PreparedModel {
   double metres = 1;            ///< per length unit of `shape`
   double deflection = 0;        ///< of the triangulation, in the shape's length unit
   std::vector<CadFace> labels;  ///< of the faces, in the order of exploration
+  std::vector<Index> bodies;    ///< which body each face comes from; empty where none was united
   CadSummary summary;           ///< files, unit, selection, sewing, names of solids and warnings so far
 };
 

@@ -45,6 +45,26 @@ TEST_CASE("inspect: the crease angle and the unit are options") {
   CHECK(run.out.find("odd size") != std::string::npos);
 }
 
+TEST_CASE("inspect: bodies that overlap, united or left") {
+  const WorkFolder folder;
+  write_cad(make_compound(make_sphere(1), make_box({3, 0.5, 0.5})), (folder.path() / "two.step").string(),
+            "m");
+  const ProgramRun run =
+      run_flowcage({"inspect", "two.step", "--json", "out.json"}, {.folder = folder.path()});
+  CHECK(run.exit_code == 0);
+  CHECK(run.out.find("bodies 1, 2 of those read: united, 5 face(s) cut") != std::string::npos);
+  CHECK(run.out.find("of them 8 chain(s) where bodies meet") != std::string::npos);
+  const nlohmann::json cad = nlohmann::json::parse(folder.text_of("out.json"))["cad"];
+  CHECK(cad["solids"] == 1);
+  REQUIRE(cad["overlaps"].size() == 1);
+  CHECK(cad["overlaps"][0]["bodies"] == std::vector<int>{1, 2});
+  CHECK(cad["overlaps"][0]["united"] == true);
+  const ProgramRun apart = run_flowcage({"inspect", "two.step", "--no-unite"}, {.folder = folder.path()});
+  CHECK(apart.exit_code == 0);
+  CHECK(apart.out.find("2 solid(s)") != std::string::npos);
+  CHECK(apart.out.find("united") == std::string::npos);
+}
+
 TEST_CASE("inspect refuses what is no CAD with exit code 3 and a remedy") {
   const WorkFolder folder;
   folder.put("letter.step", "to my aunt\n");
