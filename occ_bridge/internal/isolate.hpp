@@ -9,7 +9,7 @@ namespace flowcage::occ {
 struct IsolationSettings {
   std::string file;   ///< what errors name
   std::string stage;  ///< what progress shows
-  double limit_seconds = 300;
+  double limit_seconds = 300;  ///< of the child's processor time; tenfold on the clock
 };
 
 /// Runs `work` in a child process and returns the bytes that it returned. OpenCASCADE ends the process on
