@@ -14,7 +14,6 @@
 #include <cstdlib>
 #include <limits>
 #include <optional>
-#include <random>
 #include <vector>
 
 #include "core/base/parallel.hpp"
@@ -23,9 +22,11 @@
 #include "occ_bridge/internal/shape_rep.hpp"
 #include "occ_bridge/shapes.hpp"
 #include "tests/occ_bridge/projection_shapes.hpp"
+#include "tests/occ_bridge/random_points.hpp"
 #include "tests/occ_bridge/real_shapes.hpp"
 
 using namespace flowcage;
+using test_shapes::random_in;
 
 namespace {
 
@@ -46,17 +47,6 @@ Seconds time_of(const Work& work) {
   work();
   return {std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(),
           processor_seconds() - processor};
-}
-
-std::vector<Vec3> random_in(const Box3& box, std::size_t count, unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> unit(0, 1);
-  std::vector<Vec3> points;
-  for (std::size_t i = 0; i < count; ++i) {
-    const double x = unit(random), y = unit(random), z = unit(random);
-    points.push_back(box.min() + Vec3(x, y, z).cwiseProduct(box.sizes()));
-  }
-  return points;
 }
 
 std::vector<Vec3> moved(const std::vector<SurfacePoint>& feet, double reach, unsigned seed) {

@@ -15,16 +15,17 @@
 #include <filesystem>
 #include <iostream>
 #include <limits>
-#include <random>
 
 #include "occ_bridge/internal/face_projector.hpp"
 #include "occ_bridge/internal/shape_rep.hpp"
 #include "occ_bridge/shapes.hpp"
 #include "tests/catch.hpp"
 #include "tests/occ_bridge/projection_shapes.hpp"
+#include "tests/occ_bridge/random_points.hpp"
 #include "tests/occ_bridge/real_shapes.hpp"
 
 using namespace flowcage;
+using test_shapes::random_in;
 
 namespace {
 
@@ -64,17 +65,6 @@ class KernelSearch {
   const std::vector<TopoDS_Face>& faces_;
   std::vector<Bnd_Box> boxes_;
 };
-
-std::vector<Vec3> random_in(const Box3& box, std::size_t count, unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> unit(0, 1);
-  std::vector<Vec3> points;
-  for (std::size_t i = 0; i < count; ++i) {
-    const double x = unit(random), y = unit(random), z = unit(random);
-    points.push_back(box.min() + Vec3(x, y, z).cwiseProduct(box.sizes()));
-  }
-  return points;
-}
 
 std::vector<SurfacePoint> closest(const FaceProjector& projector, const std::vector<Vec3>& queries) {
   std::vector<SurfacePoint> results(queries.size());
