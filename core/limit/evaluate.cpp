@@ -31,9 +31,12 @@ QuadPlace on_child(const QuadPlace& at, const SurfaceLevel& level) {
   return {first + 2, 2 - x, 2 - y, -2 * at.s_u, -2 * at.s_v, -2 * at.t_u, -2 * at.t_v};
 }
 
-bool all_quads(const SurfaceLevel& level) {
+// Whether every face is a quad whose corners 1, 2 and 3 are regular, as on a child level of quads: corner 0
+// is the parent's vertex, 1 and 3 are edge points, 2 is a face point with as many edges as the parent's face.
+bool has_patch_quads(const SurfaceLevel& level) {
+  if (level.depth == 0) return false;
   for (Index f = 0; f < level.face_count(); ++f) {
-    if (level.face_vertices.row_size(f) != 4) return false;
+    if (level.vertex_edges.row_size(level.face_vertices[f][2]) != 4) return false;
   }
   return true;
 }
@@ -115,7 +118,7 @@ class Neighbourhood {
 
 struct LimitEvaluator::Tables {
   std::vector<SurfaceLevel> levels;  // the given one to the one that the patches lie on
-  StencilTable refine;               // vertices of the last in those of the first
+  StencilTable refine;               // vertices of the last in those of the first; levels.size() > 1
   PatchShapes shapes;
   std::vector<int> face_shape;            // by face of the last level
   std::optional<MirrorExtension> around;  // the last level with its mirror images
@@ -147,6 +150,12 @@ struct LimitEvaluator::Tables {
       const double dv = column[1] * place.s_v + column[2] * place.t_v;
       const Index vertex = fold == nullptr ? vertices[i] : fold->original_of(vertices[i]);
       const Vec3 factors = fold == nullptr ? Vec3::Ones() : fold->factors(vertices[i]);
+      if (levels.size() == 1) {
+        add(0, vertex, column[0], Vec3(column[0] * factors));
+        add(1, vertex, du, Vec3(du * factors));
+        add(2, vertex, dv, Vec3(dv * factors));
+        continue;
+      }
       for (Offset k = refine.offsets[vertex]; k < refine.offsets[vertex + 1]; ++k) {
         const double weight = refine.weights[k];
         const Vec3 by_axis = fold == nullptr ? Vec3(Vec3::Constant(weight))
@@ -161,13 +170,13 @@ struct LimitEvaluator::Tables {
 
 LimitEvaluator::LimitEvaluator(SurfaceLevel level) {
   auto tables = std::make_unique<Tables>();
-  const bool quads = all_quads(level);
   tables->levels.push_back(std::move(level));
-  tables->levels.push_back(build_child_level(tables->levels[0]));
-  tables->refine = refinement_stencils(tables->levels[0]);
-  if (!quads) {
-    tables->levels.push_back(build_child_level(tables->levels[1]));
-    tables->refine = compose(refinement_stencils(tables->levels[1]), tables->refine);
+  while (!has_patch_quads(tables->levels.back())) {
+    const SurfaceLevel& above = tables->levels.back();
+    StencilTable refine = refinement_stencils(above);
+    if (tables->levels.size() > 1) refine = compose(refine, tables->refine);
+    tables->refine = std::move(refine);
+    tables->levels.push_back(build_child_level(above));
   }
   tables->around.emplace(tables->levels.back());
   for (Index f = 0; f < tables->levels.back().face_count(); ++f) {
@@ -181,7 +190,7 @@ LimitEvaluator& LimitEvaluator::operator=(LimitEvaluator&&) noexcept = default;
 
 LimitPoint LimitEvaluator::evaluate(std::span<const Vec3> points, const LimitLocation& at) const {
   assert(static_cast<Index>(points.size()) == tables_->levels.front().vertex_count());
-  const Vec3& origin = tables_->refine.mirrors.value;
+  const Vec3& origin = tables_->levels.front().mirrors.value;
   std::array<Vec3, 3> sum{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
   tables_->for_each_term(at, [&](int row, Index vertex, double, const Vec3& by_axis) {
     sum[row] += by_axis.cwiseProduct(points[vertex] - origin);

@@ -33,7 +33,8 @@ struct EvaluationStencils {
 /// itself (extraordinary, dart, corner of several faces, crease with other than two faces in the sector):
 /// there they are the limit tangents of limit_masks.hpp, whose lengths mean nothing.
 ///
-/// Builds one finer level (two if the level has n-gons): about 1 kB a vertex.
+/// Child levels of quads are used as they are; of other levels one finer level is built (two if the level has
+/// n-gons): about 1 kB a vertex.
 class LimitEvaluator {
  public:
   explicit LimitEvaluator(SurfaceLevel level);

@@ -219,4 +219,9 @@ LimitSamples oversampled_limit_stencils(const SurfaceLevel& level) {
   return {compose(limit_stencils(child), refine), compose(tangents.u, refine), compose(tangents.v, refine)};
 }
 
+std::vector<Vec3> oversampled_limit_points(const SurfaceLevel& level, std::span<const Vec3> points) {
+  return apply_stencils(limit_stencils(build_child_level(level)),
+                        apply_stencils(refinement_stencils(level), points));
+}
+
 }  // namespace flowcage

@@ -1,4 +1,5 @@
 #pragma once
+#include <span>
 #include <vector>
 
 #include "core/mesh/stencil_table.hpp"
@@ -46,5 +47,8 @@ struct LimitSamples {
 /// The oversampled system of the paper's equation C V = L: limits at vertices, edges' and faces' midpoints
 /// (about four samples a control vertex), through one symbolic refinement.
 LimitSamples oversampled_limit_stencils(const SurfaceLevel& level);
+
+/// What its `position` gives of #V points, without the table: a tenth of the work where it is needed once.
+std::vector<Vec3> oversampled_limit_points(const SurfaceLevel& level, std::span<const Vec3> points);
 
 }  // namespace flowcage

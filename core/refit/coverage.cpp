@@ -7,18 +7,11 @@
 #include <numeric>
 
 #include "core/base/parallel.hpp"
-#include "core/limit/evaluate.hpp"
-#include "core/limit/limit_stencils.hpp"
 
 namespace flowcage {
 namespace {
 
-/// A triangle of the limit mesh: a quarter of a face's quarter; its corners' places in the face.
-struct LimitTriangle {
-  std::array<Vec3, 3> points;
-  std::array<Vec2, 3> uv;
-  Index face = no_index;
-};
+using Triangle = std::array<Vec3, 3>;
 
 struct NearPoint {
   double squared_distance = std::numeric_limits<double>::infinity();
@@ -28,7 +21,7 @@ struct NearPoint {
 
 /// Barycentric coordinates of the nearest point of a triangle (Ericson, Real-Time Collision
 /// Detection, 5.1.5).
-std::array<double, 3> nearest_on_triangle(const Vec3& p, const std::array<Vec3, 3>& t) {
+std::array<double, 3> nearest_on_triangle(const Vec3& p, const Triangle& t) {
   const Vec3 ab = t[1] - t[0];
   const Vec3 ac = t[2] - t[0];
   const double d1 = ab.dot(p - t[0]);
@@ -59,37 +52,37 @@ std::array<double, 3> nearest_on_triangle(const Vec3& p, const std::array<Vec3, 
   return {va / sum, vb / sum, vc / sum};
 }
 
-/// Eight triangles a face, fans of the nine samples of its 3 x 3 grid.
-std::vector<LimitTriangle> limit_triangles(const SurfaceLevel& level, std::span<const Vec3> limits) {
-  // The grid's rim from corner 0: corner, edge, corner, edge, ...
-  const std::array<Vec2, 8> rim{Vec2(0, 0), Vec2(.5, 0), Vec2(1, 0), Vec2(1, .5),
-                                Vec2(1, 1), Vec2(.5, 1), Vec2(0, 1), Vec2(0, .5)};
-  std::vector<LimitTriangle> triangles;
-  const Index edges = level.vertex_count();
-  const Index faces = edges + level.edge_count();
-  for (Index f = 0; f < level.face_count(); ++f) {
-    std::array<Index, 8> samples{};
-    for (std::size_t i = 0; i < 4; ++i) {
-      samples[2 * i] = level.face_vertices[f][i];
-      samples[2 * i + 1] = edges + level.face_edges[f][i];
-    }
-    for (std::size_t i = 0; i < 8; ++i) {
-      const std::size_t j = (i + 1) % 8;
-      triangles.push_back(
-          {{limits[faces + f], limits[samples[i]], limits[samples[j]]}, {Vec2(.5, .5), rim[i], rim[j]}, f});
-    }
-  }
-  return triangles;
-}
-
-/// A box tree over triangles; the nearest points on several different faces.
-class TriangleTree {
+/// The limit mesh: eight triangles a face, the fan round its midpoint of the nine samples of its 3 x 3 grid.
+class FaceFans {
  public:
-  explicit TriangleTree(std::vector<LimitTriangle> triangles) : triangles_(std::move(triangles)) {
-    order_.resize(triangles_.size());
+  explicit FaceFans(const MeasuredSurface& surface) : level_(surface.level), samples_(surface.samples) {}
+
+  // The grid's rim from corner 0: corner, edge, corner, edge, ...
+  static constexpr int rim_size = 8;
+  static Vec2 rim_uv(int i) {
+    constexpr std::array u{0., .5, 1., 1., 1., .5, 0., 0.}, v{0., 0., 0., .5, 1., 1., 1., .5};
+    return {u[i], v[i]};
+  }
+  const Vec3& rim(Index f, int i) const {
+    return samples_[i % 2 == 0 ? level_.face_vertices[f][i / 2]
+                               : level_.vertex_count() + level_.face_edges[f][i / 2]];
+  }
+  const Vec3& middle(Index f) const { return samples_[level_.vertex_count() + level_.edge_count() + f]; }
+  Index size() const { return level_.face_count(); }
+
+ private:
+  const SurfaceLevel& level_;
+  const std::vector<Vec3>& samples_;
+};
+
+/// A box tree over the faces' fans; the nearest points on several different faces.
+class FanTree {
+ public:
+  explicit FanTree(const FaceFans& fans) : fans_(fans) {
+    order_.resize(static_cast<std::size_t>(fans.size()));
     std::iota(order_.begin(), order_.end(), 0);
-    nodes_.reserve(2 * triangles_.size());
-    build(0, static_cast<Index>(order_.size()));
+    nodes_.reserve(2 * order_.size());
+    build(0, fans.size());
   }
 
   static constexpr std::size_t kept = 3;
@@ -104,7 +97,7 @@ class TriangleTree {
       if (distance >= best.back().squared_distance) continue;
       const Node& node = nodes_[number];
       if (node.right == no_index) {
-        for (Index i = node.begin; i < node.end; ++i) visit(query, triangles_[order_[i]], best);
+        for (Index i = node.begin; i < node.end; ++i) visit(query, order_[i], best);
         continue;
       }
       const Index left = number + 1;
@@ -133,20 +126,21 @@ class TriangleTree {
     nodes_.emplace_back();
     Box3 box, centres;
     for (Index i = begin; i < end; ++i) {
-      for (const Vec3& p : triangles_[order_[i]].points) box.extend(p);
-      centres.extend(centre(order_[i]));
+      for (int k = 0; k < FaceFans::rim_size; ++k) box.extend(fans_.rim(order_[i], k));
+      box.extend(fans_.middle(order_[i]));
+      centres.extend(fans_.middle(order_[i]));
     }
     nodes_[number].box = box;
     nodes_[number].begin = begin;
     nodes_[number].end = end;
-    if (end - begin > 8) {
+    if (end - begin > 1) {
       int axis = 0;
       centres.sizes().maxCoeff(&axis);
       const Index middle = begin + (end - begin) / 2;
       std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
                        [&](Index a, Index b) {
-                         const double x = centre(a)[axis];
-                         const double y = centre(b)[axis];
+                         const double x = fans_.middle(a)[axis];
+                         const double y = fans_.middle(b)[axis];
                          return x != y ? x < y : a < b;
                        });
       build(begin, middle);
@@ -156,25 +150,17 @@ class TriangleTree {
     return number;
   }
 
-  Vec3 centre(Index t) const {
-    return (triangles_[t].points[0] + triangles_[t].points[1] + triangles_[t].points[2]) / 3;
-  }
-
-  static void visit(const Vec3& query, const LimitTriangle& t, std::array<NearPoint, kept>& best) {
-    const auto w = nearest_on_triangle(query, t.points);
+  void visit(const Vec3& query, Index face, std::array<NearPoint, kept>& best) const {
     NearPoint found;
-    found.squared_distance =
-        (w[0] * t.points[0] + w[1] * t.points[1] + w[2] * t.points[2] - query).squaredNorm();
-    found.face = t.face;
-    found.uv = w[0] * t.uv[0] + w[1] * t.uv[1] + w[2] * t.uv[2];
-    // One entry a face: the face's older entry, if farther, makes room.
-    std::size_t last = kept - 1;
-    for (std::size_t i = 0; i < kept; ++i) {
-      if (best[i].face == found.face) {
-        last = i;
-        break;
-      }
+    for (int i = 0; i < FaceFans::rim_size; ++i) {
+      const int j = (i + 1) % FaceFans::rim_size;
+      const Triangle t{fans_.middle(face), fans_.rim(face, i), fans_.rim(face, j)};
+      const auto w = nearest_on_triangle(query, t);
+      const double squared = (w[0] * t[0] + w[1] * t[1] + w[2] * t[2] - query).squaredNorm();
+      if (!(squared < found.squared_distance)) continue;
+      found = {squared, face, w[0] * Vec2(.5, .5) + w[1] * FaceFans::rim_uv(i) + w[2] * FaceFans::rim_uv(j)};
     }
+    std::size_t last = kept - 1;
     if (!(found.squared_distance < best[last].squared_distance)) return;
     best[last] = found;
     for (std::size_t i = last; i > 0 && best[i].squared_distance < best[i - 1].squared_distance; --i) {
@@ -182,7 +168,7 @@ class TriangleTree {
     }
   }
 
-  std::vector<LimitTriangle> triangles_;
+  const FaceFans& fans_;
   std::vector<Index> order_;
   std::vector<Node> nodes_;
 };
@@ -191,8 +177,7 @@ class TriangleTree {
 /// one face; leaves over an edge into the neighbour at the same place.
 class LimitDistance {
  public:
-  LimitDistance(const SurfaceLevel& level, std::span<const Vec3> points)
-      : level_(level), points_(points), evaluator_(level) {}
+  explicit LimitDistance(const MeasuredSurface& surface) : surface_(surface), level_(surface.level) {}
 
   double refine(const Vec3& query, Index face, Vec2 uv) const {
     double best = std::numeric_limits<double>::infinity();
@@ -244,7 +229,7 @@ class LimitDistance {
   int descend(const Vec3& query, Index face, Vec2& uv, double& best) const {
     int side = -1;
     for (int step = 0; step < 12; ++step) {
-      const LimitPoint p = evaluator_.evaluate(points_, {face, uv.x(), uv.y(), 0});
+      const LimitPoint p = surface_.at({face, uv.x(), uv.y(), 0});
       const Vec3 r = query - p.position;
       best = std::min(best, r.norm());
       const double a = p.du.squaredNorm();
@@ -279,9 +264,8 @@ class LimitDistance {
     return side;
   }
 
+  const MeasuredSurface& surface_;
   const SurfaceLevel& level_;
-  std::span<const Vec3> points_;
-  LimitEvaluator evaluator_;
 };
 
 std::vector<Vec3> target_samples(const TargetSurface& target, Index max_samples) {
@@ -307,12 +291,11 @@ std::vector<Vec3> target_samples(const TargetSurface& target, Index max_samples)
 
 }  // namespace
 
-Coverage measure_coverage(const SurfaceLevel& level, std::span<const Vec3> points,
-                          const TargetSurface& target, Index max_samples) {
-  const LimitSamples stencils = oversampled_limit_stencils(level);
-  const std::vector<Vec3> limits = apply_stencils(stencils.position, points);
-  const TriangleTree tree(limit_triangles(level, limits));
-  const LimitDistance exact(level, points);
+Coverage measure_coverage(MeasuredSurface& surface, const TargetSurface& target, Index max_samples) {
+  surface.prepare_evaluation();
+  const FaceFans fans(surface);
+  const FanTree tree(fans);
+  const LimitDistance exact(surface);
   const std::vector<Vec3> samples = target_samples(target, max_samples);
   std::vector<double> distances(samples.size());
   parallel_for(static_cast<Offset>(samples.size()), 64, [&](Offset begin, Offset end) {

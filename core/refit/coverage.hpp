@@ -1,7 +1,5 @@
 #pragma once
-#include <span>
-
-#include "core/mesh/surface_level.hpp"
+#include "core/refit/measured_surface.hpp"
 #include "core/target/target_surface.hpp"
 
 namespace flowcage {
@@ -16,9 +14,7 @@ struct Coverage {
 /// faces) to the limit surface of a level: a lost tip or a missed pocket shows here and not in the distance
 /// from the fitted surface to the target. The nearest limit point is found by a box tree over the limit mesh
 /// and then by Gauss-Newton steps on the exact limit surface, across faces, so the measure's own error is
-/// rounding. At most about max_samples points,
-/// evenly picked. Parallel, deterministic. points: #V control points of the level, quads only.
-Coverage measure_coverage(const SurfaceLevel& level, std::span<const Vec3> points,
-                          const TargetSurface& target, Index max_samples = 60000);
+/// rounding. At most about max_samples points, evenly picked. Parallel, deterministic.
+Coverage measure_coverage(MeasuredSurface& surface, const TargetSurface& target, Index max_samples = 60000);
 
 }  // namespace flowcage

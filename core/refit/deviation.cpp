@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "core/base/parallel.hpp"
-#include "core/limit/evaluate.hpp"
 
 namespace flowcage {
 namespace {
@@ -43,8 +42,8 @@ std::vector<Index> worst_faces(const SurfaceLevel& level, std::span<const Surfac
 /// ones, each an eighth of a grid's cell apart.
 class FaceSearch {
  public:
-  FaceSearch(const SurfaceLevel& level, std::span<const Vec3> points, const TargetSurface& target)
-      : evaluator_(level), points_(points), target_(target) {}
+  FaceSearch(const MeasuredSurface& surface, const TargetSurface& target)
+      : surface_(surface), target_(target) {}
 
   void run(std::span<const Index> faces, Deviation& result) const {
     std::vector<LimitLocation> centres;
@@ -54,7 +53,7 @@ class FaceSearch {
       const std::vector<LimitLocation> locations = grids(centres, reach);
       std::vector<Vec3> places(locations.size());
       parallel_for(static_cast<Offset>(places.size()), 512, [&](Offset begin, Offset end) {
-        for (Offset i = begin; i < end; ++i) places[i] = evaluator_.evaluate(points_, locations[i]).position;
+        for (Offset i = begin; i < end; ++i) places[i] = surface_.at(locations[i]).position;
       });
       std::vector<SurfacePoint> feet(places.size());
       target_.closest_points(places, {}, feet);
@@ -102,16 +101,14 @@ class FaceSearch {
     return result;
   }
 
-  LimitEvaluator evaluator_;
-  std::span<const Vec3> points_;
+  const MeasuredSurface& surface_;
   const TargetSurface& target_;
 };
 
 }  // namespace
 
-Deviation measure_deviation(const SurfaceLevel& level, const StencilTable& samples,
-                            std::span<const Vec3> points, const DeviationSettings& settings) {
-  const std::vector<Vec3> limits = apply_stencils(samples, points);
+Deviation measure_deviation(MeasuredSurface& surface, const DeviationSettings& settings) {
+  const std::vector<Vec3>& limits = surface.samples;
   std::vector<SurfacePoint> nearest(limits.size());
   settings.target.closest_points(limits, {}, nearest);
   Deviation result;
@@ -121,8 +118,9 @@ Deviation measure_deviation(const SurfaceLevel& level, const StencilTable& sampl
   keep_worst(limits, nearest, result);
   if (!(result.max <= settings.search_below)) return result;
 
-  const std::vector<Index> faces = worst_faces(level, nearest, settings.searched_faces);
-  FaceSearch(level, points, settings.target).run(faces, result);
+  surface.prepare_evaluation();
+  const std::vector<Index> faces = worst_faces(surface.level, nearest, settings.searched_faces);
+  FaceSearch(surface, settings.target).run(faces, result);
   return result;
 }
 

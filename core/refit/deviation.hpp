@@ -1,8 +1,5 @@
 #pragma once
-#include <span>
-
-#include "core/mesh/stencil_table.hpp"
-#include "core/mesh/surface_level.hpp"
+#include "core/refit/measured_surface.hpp"
 #include "core/target/target_surface.hpp"
 
 namespace flowcage {
@@ -20,12 +17,10 @@ struct DeviationSettings {
   Index searched_faces = 512;
 };
 
-/// Distance from the limit surface of a level to the target. `samples`: stencils of its vertices, then edges'
-/// and faces' midpoints (limit_stencils.hpp); rms is over them. Between them the distance can be larger,
-/// above all where the target has an edge that the surface rounds off: the faces with the worst samples are
-/// evaluated on grids of 9 x 9 points, finer ones round the worst. Parallel, deterministic. points: #V
-/// control points, quads only.
-Deviation measure_deviation(const SurfaceLevel& level, const StencilTable& samples,
-                            std::span<const Vec3> points, const DeviationSettings& settings);
+/// Distance from the limit surface of a level to the target, at its samples; rms is over them. Between them
+/// the distance can be larger, above all where the target has an edge that the surface rounds off: the faces
+/// with the worst samples are evaluated on grids of 9 x 9 points, finer ones round the worst. Parallel,
+/// deterministic.
+Deviation measure_deviation(MeasuredSurface& surface, const DeviationSettings& settings);
 
 }  // namespace flowcage

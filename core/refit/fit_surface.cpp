@@ -123,15 +123,12 @@ SurfaceFit fit_surface(const Cage& cage, const TargetSurface& target, const FitS
 
     SurfaceLevel child = build_child_level(level->topology);
     std::vector<CreaseChain> below = child_chains(level->chains, level->topology, child);
-    const StencilTable refinement = refinement_stencils(level->topology);
-    auto next = std::make_unique<LevelSystem>(
-        build_level_system(std::move(child), std::move(below), child_places(fitted.best.places), match));
-    std::vector<Vec3> next_points = apply_stencils(refinement, control_points);
-    impose_planes(planes, next->chains, next_points);
+    std::vector<Vec3> next_points = apply_stencils(refinement_stencils(level->topology), control_points);
+    impose_planes(planes, below, next_points);
+    MeasuredSurface surface(std::move(child), std::move(next_points));
     const double accepted = settings.tolerance > 0 ? settings.tolerance * diagonal : 0.0;
-    const Deviation deviation =
-        measure_deviation(next->topology, next->samples.position, next_points,
-                          {.target = target, .search_below = depth == settings.levels ? no_limit : accepted});
+    const Deviation deviation = measure_deviation(
+        surface, {.target = target, .search_below = depth == settings.levels ? no_limit : accepted});
 
     LevelReport report;
     report.level = depth;
@@ -143,7 +140,7 @@ SurfaceFit fit_surface(const Cage& cage, const TargetSurface& target, const FitS
     report.passes = fitted.passes;
     report.solver_iterations = fitted.iterations;
     report.folds = fitted.best.folds;
-    report.crease_deviation = crease_deviation(*next, match, target, next_points) / diagonal;
+    report.crease_deviation = crease_deviation(surface, below, match, target) / diagonal;
     report.edge_length_ratio = edge_length_ratio(
         level->topology,
         std::span(fitted.best.limit.points).first(static_cast<std::size_t>(report.control_vertices)));
@@ -153,17 +150,22 @@ SurfaceFit fit_surface(const Cage& cage, const TargetSurface& target, const FitS
         depth == settings.levels || (settings.tolerance > 0 && report.max_deviation <= settings.tolerance);
     if (last) {
       fit.vertex_targets = vertex_targets(*level, match, target, fitted.best);
-      const Coverage coverage = measure_coverage(next->topology, next_points, target);
+      const Coverage coverage = measure_coverage(surface, target);
       fit.max_deviation = report.max_deviation;
       fit.rms_deviation = report.rms_deviation;
       fit.worst_place = report.worst_place;
       fit.coverage_deviation = coverage.max_distance / diagonal;
       fit.worst_coverage_place = coverage.worst_place;
     }
+    std::unique_ptr<LevelSystem> next;
+    if (!last) {
+      next = std::make_unique<LevelSystem>(build_level_system(std::move(surface.level), std::move(below),
+                                                              child_places(fitted.best.places), match));
+    }
     report.seconds = seconds_since(start);
     fit.levels.push_back({std::move(level->topology), std::move(control_points), std::move(report)});
     if (last) break;
-    control_points = std::move(next_points);
+    control_points = std::move(surface.points);
     level = std::move(next);
   }
   progress.report("fit", 1);

@@ -5,18 +5,17 @@
 
 namespace flowcage {
 
-double crease_deviation(const LevelSystem& level, const FeatureMatch& match, const TargetSurface& target,
-                        std::span<const Vec3> points) {
+double crease_deviation(const MeasuredSurface& surface, std::span<const CreaseChain> chains,
+                        const FeatureMatch& match, const TargetSurface& target) {
   double worst = 0;
-  const std::vector<Vec3> limits = apply_stencils(level.samples.position, points);
-  for (std::size_t c = 0; c < level.chains.size(); ++c) {
+  for (std::size_t c = 0; c < chains.size(); ++c) {
     if (!match.chains[c].matched) continue;
     std::vector<Index> followed;  // a path may run over several chains of the target
     for (const FeaturePiece& piece : match.chains[c].path.pieces) followed.push_back(piece.chain);
     std::sort(followed.begin(), followed.end());
     followed.erase(std::unique(followed.begin(), followed.end()), followed.end());
-    for (const Index edge : level.chains[c].edges) {
-      const Vec3& at = limits[level.edge_sample(edge)];
+    for (const Index edge : chains[c].edges) {
+      const Vec3& at = surface.samples[surface.level.vertex_count() + edge];
       double nearest = std::numeric_limits<double>::infinity();
       for (const Index chain : followed) {
         nearest = std::min(nearest, target.closest_on_chain(chain, at).distance);

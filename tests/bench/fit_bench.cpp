@@ -28,6 +28,7 @@ struct Job {
   double noise = 0;
   unsigned seeds = 20, first_seed = 1;
   bool passes = false;
+  bool growth = false;
 };
 
 void print_level(const LevelReport& r, double asked) {
@@ -60,6 +61,25 @@ void print_table(const FitBody& body, const Job& job) {
   const Vec3& p = fit.worst_place;
   fmt::print("  worst at ({:.4f}, {:.4f}, {:.4f})\n", p.x(), p.y(), p.z());
   for (const std::string& warning : fit.warnings) fmt::print("  warning: {}\n", warning);
+}
+
+/// One row a level: the processor time of the whole fit to it, and per control vertex.
+void print_growth(const FitBody& body, const Job& job) {
+  Progress silent;
+  fmt::print("{}: fit to a level, coverage included\n  level  control   s CPU  factor  us a control vertex\n",
+             body.name);
+  double last = 0;
+  FitSettings settings = job.fit;
+  for (settings.levels = 2; settings.levels <= job.fit.levels; ++settings.levels) {
+    const double before = cpu_seconds();
+    const SurfaceFit fit = fit_surface(body.cage, body.cad, settings, silent);
+    const double seconds = cpu_seconds() - before;
+    const Index control = fit.levels.back().report.control_vertices;
+    fmt::print("  {:>5} {:>8} {:>7.2f} {:>7} {:>20.0f}\n", settings.levels, control, seconds,
+               last > 0 ? fmt::format("{:.1f}", seconds / last) : "", 1e6 * seconds / control);
+    std::fflush(stdout);
+    last = seconds;
+  }
 }
 
 /// One row a body: how often the fit of a cage with noise folds, fails, or misses three times the plain one.
@@ -107,6 +127,7 @@ int main(int argc, char** argv) {
   app.add_option("--passes-max", job.fit.max_passes, "passes a level");
   app.add_flag("--passes", job.passes,
                "every pass of every level; with --noise the table of the first seed's cage");
+  app.add_flag("--growth", job.growth, "the time of fits to levels 2, 3, ... (with --threads 1)");
   app.add_option("--noise", job.noise, "moves every cage vertex by up to this, in diagonals; a row a body");
   app.add_option("--seeds", job.seeds, "cages with noise a body");
   app.add_option("--first-seed", job.first_seed, "the first of them");
@@ -118,7 +139,9 @@ int main(int argc, char** argv) {
   if (job.bodies.empty()) job.bodies = fit_body_names();
   for (const std::string& name : job.bodies) {
     FitBody body = make_fit_body(name);
-    if (job.noise > 0 && job.passes) {
+    if (job.growth) {
+      print_growth(body, job);
+    } else if (job.noise > 0 && job.passes) {
       body.cage = with_noise(body.cage, job.noise * body.cad.diagonal(), job.first_seed);
       print_table(body, job);
     } else if (job.noise > 0) {

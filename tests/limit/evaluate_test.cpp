@@ -236,6 +236,9 @@ TEST_CASE(
     REQUIRE(samples.tangent_u.size() == V + E + F);
     REQUIRE(samples.tangent_v.size() == V + E + F);
     const std::vector<Vec3> position = apply_stencils(samples.position, cage.points);
+    const std::vector<Vec3> direct = oversampled_limit_points(level, cage.points);
+    REQUIRE(direct.size() == position.size());
+    for (std::size_t i = 0; i < direct.size(); ++i) CHECK((direct[i] - position[i]).norm() < 1e-13);
     const std::vector<Vec3> u = apply_stencils(samples.tangent_u, cage.points);
     const std::vector<Vec3> v = apply_stencils(samples.tangent_v, cage.points);
     const auto check = [&](Index sample, const LimitLocation& at, bool smooth) {
