@@ -214,9 +214,17 @@ SectorTangents sector_tangent_stencils(const SurfaceLevel& level) {
 
 LimitSamples oversampled_limit_stencils(const SurfaceLevel& level) {
   const SurfaceLevel child = build_child_level(level);
-  const StencilTable refine = refinement_stencils(level);
-  const TangentStencils tangents = tangent_stencils(child);
-  return {compose(limit_stencils(child), refine), compose(tangents.u, refine), compose(tangents.v, refine)};
+  StencilTable refinement = refinement_stencils(level);
+  StencilTable position = compose(limit_stencils(child), refinement);
+  return {std::move(position), std::move(refinement), tangent_stencils(child)};
+}
+
+std::vector<Vec3> sample_normals(const LimitSamples& samples, std::span<const Vec3> points) {
+  const std::vector<Vec3> finer = apply_stencils(samples.refinement, points);
+  std::vector<Vec3> normals = apply_stencils(samples.tangents.u, finer);
+  const std::vector<Vec3> v = apply_stencils(samples.tangents.v, finer);
+  for (std::size_t i = 0; i < normals.size(); ++i) normals[i] = normals[i].cross(v[i]);
+  return normals;
 }
 
 std::vector<Vec3> oversampled_limit_points(const SurfaceLevel& level, std::span<const Vec3> points) {

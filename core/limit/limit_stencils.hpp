@@ -36,17 +36,17 @@ struct SectorTangents {
 };
 SectorTangents sector_tangent_stencils(const SurfaceLevel& level);
 
-/// A set of limit points of one level as rows over its control vertices, with their tangents.
-/// Order: vertices (#V), then edges' midpoints (#E), then faces' midpoints (#F).
+/// The oversampled system of the paper's equation C V = L: limits at vertices (#V), then edges' midpoints
+/// (#E), then faces' midpoints (#F), about four samples a control vertex, through one symbolic refinement.
 struct LimitSamples {
-  StencilTable position;
-  StencilTable tangent_u, tangent_v;  ///< rows for the same samples; normal = tangent_u x tangent_v, on the
-                                      ///< fluid's side. At a crease: those of the first smooth sector.
+  StencilTable position;     ///< rows over the level's control vertices
+  StencilTable refinement;   ///< points of the child level, where a sample is a vertex
+  TangentStencils tangents;  ///< of the child's points; at a crease those of the first smooth sector
 };
-
-/// The oversampled system of the paper's equation C V = L: limits at vertices, edges' and faces' midpoints
-/// (about four samples a control vertex), through one symbolic refinement.
 LimitSamples oversampled_limit_stencils(const SurfaceLevel& level);
+
+/// tangent u x tangent v of each sample: on the fluid's side, of no particular length.
+std::vector<Vec3> sample_normals(const LimitSamples& samples, std::span<const Vec3> points);
 
 /// What its `position` gives of #V points, without the table: a tenth of the work where it is needed once.
 std::vector<Vec3> oversampled_limit_points(const SurfaceLevel& level, std::span<const Vec3> points);

@@ -21,17 +21,47 @@ double squared_norm(std::span<const Vec3> x) {
       [](double a, double b) { return a + b; });
 }
 
-/// Applies the square root of the metric, a d d^T + b (I - d d^T), to each row.
-void weigh(const RowMetric& metric, std::vector<Vec3>& rows) {
-  if (metric.directions.empty()) return;
-  parallel_for(static_cast<Offset>(rows.size()), grain, [&](Offset begin, Offset end) {
-    for (Offset i = begin; i < end; ++i) {
-      const Vec3& d = metric.directions[i];
-      if (d.isZero(0)) continue;
-      const Vec3 along = d * d.dot(rows[i]);
-      rows[i] = metric.along * along + metric.across * (rows[i] - along);
-    }
-  });
+/// W = a^2 d d^T + b^2 (I - d d^T) of each row.
+class Weights {
+ public:
+  explicit Weights(const RowMetric& metric)
+      : directions_(metric.directions),
+        along_(metric.along * metric.along),
+        across_(metric.across * metric.across) {}
+
+  Vec3 times(Offset row, const Vec3& x) const {
+    if (directions_.empty() || directions_[row].isZero(0)) return x;
+    const Vec3& d = directions_[row];
+    return across_ * x + (along_ - across_) * d.dot(x) * d;
+  }
+
+ private:
+  const std::vector<Vec3>& directions_;
+  double along_, across_;
+};
+
+/// Turns rows x into W x; the sum of x . W x.
+double weigh(const Weights& weights, std::vector<Vec3>& rows) {
+  return parallel_reduce(
+      static_cast<Offset>(rows.size()), grain, 0.0,
+      [&](Offset begin, Offset end) {
+        double sum = 0;
+        for (Offset i = begin; i < end; ++i) {
+          const Vec3 weighed = weights.times(i, rows[i]);
+          sum += weighed.dot(rows[i]);
+          rows[i] = weighed;
+        }
+        return sum;
+      },
+      [](double x, double y) { return x + y; });
+}
+
+/// b - A x.
+std::vector<Vec3> residual(const LeastSquaresMatrix& matrix, std::span<const Vec3> right_side,
+                           std::span<const Vec3> x) {
+  std::vector<Vec3> r = apply_stencils(matrix.rows, x);
+  for (std::size_t i = 0; i < r.size(); ++i) r[i] = right_side[i] - r[i];
+  return r;
 }
 
 }  // namespace
@@ -77,8 +107,8 @@ LeastSquaresMatrix prepare_least_squares(StencilTable rows) {
 }
 
 // Notation: A x is apply_stencils and, of differences, apply_to_vectors; the unknown is y with x = start + S
-// y, S = 1/column norm; B = M A S with M the metric's root. r = M(b - A x), g = B^T r - d^2 S^2 y (the
-// negative gradient), p the search direction, q = B p.
+// y, S = 1/column norm. r = W (b - A x), g = S A^T r - d^2 S^2 y (the negative gradient), p the search
+// direction, q = W A S p.
 CglsResult solve_cgls(const LeastSquaresMatrix& matrix, std::span<const Vec3> right_side,
                       std::span<const Vec3> start, const CglsSettings& settings, const RowMetric& metric) {
   const Index columns = matrix.rows.control_vertex_count;
@@ -93,17 +123,15 @@ CglsResult solve_cgls(const LeastSquaresMatrix& matrix, std::span<const Vec3> ri
   }
   const double damping2 = settings.damping * settings.damping;
 
-  std::vector<Vec3> r = apply_stencils(matrix.rows, start);
+  const Weights weights(metric);
+  std::vector<Vec3> r = residual(matrix, right_side, start);
   // A gradient below the rounding of its own terms is noise: steps along it would wander off without bound.
-  const double terms = squared_norm(right_side) + squared_norm(r);
-  for (std::size_t i = 0; i < r.size(); ++i) r[i] = right_side[i] - r[i];
-  weigh(metric, r);
+  const double terms = squared_norm(right_side) + squared_norm(apply_stencils(matrix.rows, start));
+  weigh(weights, r);
 
   std::vector<Vec3> y(static_cast<std::size_t>(columns), Vec3::Zero());
   const auto negative_gradient = [&] {
-    std::vector<Vec3> weighted = r;
-    weigh(metric, weighted);
-    std::vector<Vec3> g = apply_to_vectors(matrix.transpose, weighted);
+    std::vector<Vec3> g = apply_to_vectors(matrix.transpose, r);
     for (Index c = 0; c < columns; ++c) g[c] = scale[c] * (g[c] - damping2 * scale[c] * y[c]);
     return g;
   };
@@ -116,13 +144,14 @@ CglsResult solve_cgls(const LeastSquaresMatrix& matrix, std::span<const Vec3> ri
   while (result.iterations < settings.max_iterations && gamma > stop) {
     for (Index c = 0; c < columns; ++c) step[c] = scale[c] * p[c];
     std::vector<Vec3> q = apply_to_vectors(matrix.rows, step);
-    weigh(metric, q);
-    const double curvature = squared_norm(q) + damping2 * squared_norm(step);
+    const double curvature = weigh(weights, q) + damping2 * squared_norm(step);
     // The largest eigenvalue is of order 1 (unit columns): a direction like this is in the null space.
     if (!(curvature > 1e-20 * squared_norm(p)) || !std::isfinite(curvature)) break;
     const double alpha = gamma / curvature;
     for (Index c = 0; c < columns; ++c) y[c] += alpha * p[c];
-    for (std::size_t i = 0; i < r.size(); ++i) r[i] -= alpha * q[i];
+    parallel_for(static_cast<Offset>(r.size()), grain, [&](Offset begin, Offset end) {
+      for (Offset i = begin; i < end; ++i) r[i] -= alpha * q[i];
+    });
     g = negative_gradient();
     const double previous = gamma;
     gamma = squared_norm(g);
@@ -131,7 +160,8 @@ CglsResult solve_cgls(const LeastSquaresMatrix& matrix, std::span<const Vec3> ri
     ++result.iterations;
   }
   for (Index c = 0; c < columns; ++c) result.solution[c] += scale[c] * y[c];
-  result.residual_norm = std::sqrt(squared_norm(r));
+  r = residual(matrix, right_side, result.solution);
+  result.residual_norm = std::sqrt(weigh(weights, r));
   return result;
 }
 

@@ -23,6 +23,10 @@ StageSystem build_stage(const StencilTable& positions, std::span<const SolveStag
   free.mirrors = system.known.mirrors = positions.mirrors;
   free.of_vectors = true;
   system.known.of_vectors = positions.of_vectors;
+  if (stage == SolveStage::interior) {  // nearly all of it
+    free.indices.reserve(positions.indices.size());
+    free.weights.reserve(positions.indices.size());
+  }
   for (Index r = 0; r < positions.size(); ++r) {
     if (row_stage[r] > stage) continue;
     bool has_unknown = false;

@@ -115,17 +115,13 @@ LevelSystem build_level_system(SurfaceLevel topology, std::vector<CreaseChain> c
 LimitState limit_state(const LevelSystem& level, std::span<const Vec3> control_points) {
   LimitState state;
   state.points = apply_stencils(level.samples.position, control_points);
-  const std::vector<Vec3> u = apply_stencils(level.samples.tangent_u, control_points);
-  const std::vector<Vec3> v = apply_stencils(level.samples.tangent_v, control_points);
-  state.normals.assign(state.points.size(), Vec3::Zero());
-  parallel_for(static_cast<Offset>(u.size()), grain, [&](Offset begin, Offset end) {
-    for (Offset i = begin; i < end; ++i) {
-      if (level.kind[i] != SampleKind::surface) continue;
-      const Vec3 normal = u[i].cross(v[i]);
-      const double norm = normal.norm();
-      if (norm > 0 && std::isfinite(norm)) state.normals[i] = normal / norm;
-    }
-  });
+  state.normals = sample_normals(level.samples, control_points);
+  for (std::size_t i = 0; i < state.normals.size(); ++i) {
+    Vec3& normal = state.normals[i];
+    const double norm = normal.norm();
+    const bool has_one = level.kind[i] == SampleKind::surface && norm > 0 && std::isfinite(norm);
+    normal = has_one ? Vec3(normal / norm) : Vec3(Vec3::Zero());
+  }
 
   const SurfaceLevel& t = level.topology;
   state.lengths.assign(state.points.size(), 0.0);

@@ -65,7 +65,7 @@ TEST_CASE("tables and points are the same bits on any number of threads") {
   for (const int k : {1, 2}) {
     CHECK(points[k] == points[0]);
     CHECK(equal(samples[k].position, samples[0].position));
-    CHECK(equal(samples[k].tangent_u, samples[0].tangent_u));
-    CHECK(equal(samples[k].tangent_v, samples[0].tangent_v));
+    CHECK(equal(samples[k].tangents.u, samples[0].tangents.u));
+    CHECK(equal(samples[k].tangents.v, samples[0].tangents.v));
   }
 }
