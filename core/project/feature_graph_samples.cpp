@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <numeric>
 #include <queue>
 #include <utility>
@@ -48,7 +49,7 @@ class BoundedSearch {
     const auto relax = [&](Index node, double base) {
       for (const SampledFeatures::Arc& arc : graph_.arcs[node]) {
         if (!allowed(graph_, filter, arc.piece)) continue;
-        if (node == start.first && arc.to == start.second) continue;
+        if (arc.to == (node == start.first ? start.second : parent_[node])) continue;  // no turning back
         const double d = base + arc.length;
         if (d > reach || d >= distance_[arc.to]) continue;
         if (!std::isfinite(distance_[arc.to])) touched_.push_back(arc.to);
@@ -101,7 +102,17 @@ class BoundedSearch {
   Index start_ = no_index;
 };
 
-constexpr int side_samples = 5;  // places along a chain where the normals beside it are known
+/// Places along a chain where the normals beside it are known: more where it bends (round a nose).
+int side_sample_count(const FeatureChain& chain) {
+  const std::vector<Vec3>& p = chain.polyline;
+  double turn = 0;
+  for (std::size_t i = 2; i < p.size(); ++i) {
+    const Vec3 before = p[i - 1] - p[i - 2], after = p[i] - p[i - 1];
+    turn += std::atan2(before.cross(after).norm(), before.dot(after));
+  }
+  constexpr double turn_a_sample = std::numbers::pi / 12;
+  return static_cast<int>(std::min(5 + turn / turn_a_sample, 25.0));
+}
 
 double squared_distance(const SampledFeatures& graph, const MatchQuery& query, std::size_t k, Index node) {
   return std::min((query.controls[k] - graph.points[node]).squaredNorm(),
@@ -249,6 +260,7 @@ SampledFeatures sample_features(const TargetSurface& target, double spacing) {
     const bool loop = chain.start == no_index;
     if (!(chain.length > 0)) continue;
     const Index first_probe = static_cast<Index>(probes.size());
+    const int side_samples = side_sample_count(chain);
     for (int i = 0; i < side_samples; ++i) {
       probes.push_back(target.chain_point(c, chain.length * (i + 0.5) / side_samples).position);
     }

@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "core/project/feature_match.hpp"
+#include "core/project/chain_places.hpp"
 #include "core/project/side_normals.hpp"
 
 namespace flowcage {
@@ -22,7 +22,7 @@ struct SampledFeatures {
   std::vector<Index> piece_chain;     ///< #pieces
   std::vector<double> piece_length;   ///< #pieces
   std::vector<ChainKind> piece_kind;  ///< #pieces
-  Csr<Vec3> normals;                  ///< of the target's faces: corners first, then side_samples a chain
+  Csr<Vec3> normals;                  ///< of the faces at the corners, then at places along each chain
   std::vector<Index> point_normals;   ///< #points; row of normals
 };
 
@@ -30,14 +30,11 @@ struct SampledFeatures {
 SampledFeatures sample_features(const TargetSurface& target, double spacing);
 
 /// What a cage chain asks of the graph.
-struct MatchQuery {
-  std::vector<Vec3> controls;   ///< places to follow, in order; loops repeat their first
-  std::vector<Vec3> limits;     ///< second places: the crease's own limit points (corners: the same)
-  std::vector<double> lengths;  ///< #controls - 1, edge lengths
+struct MatchQuery : DrawnChain {
+  std::vector<Vec3> limits;  ///< second places: the crease's own limit points (corners: the same)
   std::vector<std::vector<SideNormal>> sides;  ///< #controls; normals of the cage's faces beside the chain
   double scale = 0;  ///< what distances and stretches are relative to: the mean edge length, or more where
                      ///< the chain is short beside its neighbours (the base of a blunt trailing edge)
-  bool closed = false;
   Index first_node = no_index, last_node = no_index;  ///< fixed ends
 };
 

@@ -19,15 +19,20 @@ std::vector<Index> chain_samples(const LevelSystem& level, const CreaseChain& ch
   return samples;
 }
 
-std::vector<double> slid_chain(const LevelSystem& level, std::size_t c, const FeaturePath& path,
+std::vector<double> slid_chain(const LevelSystem& level, std::size_t c, const ChainMatch& match,
                                const TargetSurface& target, std::span<const double> before,
                                std::span<const Vec3> limits) {
+  const FeaturePath& path = match.path;
   const CreaseChain& chain = level.chains[c];
   const std::vector<Index> samples = chain_samples(level, chain);
   const std::vector<double>& first = level.places[c];
   const std::size_t last = before.size() - 1;
   std::vector<double> after(before.begin(), before.end());
   for (std::size_t k = chain.closed ? 0 : 1; k < last; ++k) {
+    // On the coarsest level a vertex that slid off its bend would fold the faces beside it; later the bend is
+    // resolved, and even spacing serves the curve better.
+    if (level.topology.depth == 0 && std::binary_search(match.pinned.begin(), match.pinned.end(), before[k]))
+      continue;
     const double gap_before = k > 0 ? before[k] - before[k - 1] : before[last] - before[last - 1];
     const double reach = 0.5 * std::min(gap_before, before[k + 1] - before[k]);
     for (int step = 0; step < 3; ++step) {
@@ -72,8 +77,7 @@ ChainPlaces slid_places(const LevelSystem& level, const FeatureMatch& match, con
   parallel_for(static_cast<Offset>(places.size()), 1, [&](Offset begin, Offset end) {
     for (Offset c = begin; c < end; ++c) {
       if (!match.chains[c].matched || match.chains[c].turns) continue;
-      slid[c] =
-          slid_chain(level, static_cast<std::size_t>(c), match.chains[c].path, target, places[c], limits);
+      slid[c] = slid_chain(level, static_cast<std::size_t>(c), match.chains[c], target, places[c], limits);
     }
   });
   return slid;
@@ -154,7 +158,7 @@ FitPass evaluate_pass(const LevelSystem& level, const FeatureMatch& match, const
     ++measured;
   }
   pass.rms = std::sqrt(sum / std::max<Index>(measured, 1));
-  pass.folds = static_cast<Index>(folded_faces(level, pass.limit, target_normals).size());
+  pass.folded = folded_faces(level, pass.limit, target_normals);
   return pass;
 }
 

@@ -16,10 +16,11 @@ struct FitPass {
   ChainPlaces places;
   std::vector<Vec3> chain_tangents;  ///< #samples; the path's direction there, zero elsewhere
   double rms = 0, max = 0;
-  Index folds = 0;
+  std::vector<Index> folded;  ///< faces, ascending
 
   /// What has to fall from pass to pass: the mean error, with a share of the largest one.
   double score() const { return rms + 0.05 * max; }
+  Index folds() const { return static_cast<Index>(folded.size()); }
 };
 
 struct PassMode {

@@ -11,11 +11,10 @@
 #include "core/base/parallel.hpp"
 #include "core/refit/boundary_planes.hpp"
 #include "core/refit/cage_check.hpp"
+#include "core/refit/cage_fit.hpp"
 #include "core/refit/coverage.hpp"
 #include "core/refit/deviation.hpp"
 #include "core/refit/level_figures.hpp"
-#include "core/refit/level_fit.hpp"
-#include "core/refit/symmetric_level.hpp"
 #include "core/subdivide/refine.hpp"
 
 // Notation of Rom & Brakhage (2011), section 3: V are the control vertices of a level, C the limit stencils
@@ -98,27 +97,23 @@ SurfaceFit fit_surface(const Cage& cage, const TargetSurface& target, const FitS
   SurfaceFit fit;
   progress.step("fit, level 0", 0);
   const double diagonal = target.diagonal();
-  SurfaceLevel topology = build_surface_level(cage);
   check_cage_belongs(cage, target);
-
-  std::vector<CreaseChain> chains = crease_chains(topology);
-  const FeatureMatch match = match_features(topology, cage.points, chains, target);
+  Clock::time_point start = Clock::now();
+  CageFit first = fit_cage(cage, target, settings);
+  const FeatureMatch& match = first.match;
+  const std::vector<ChainPlane>& planes = first.planes;
   fit.unmatched_chains = match.unmatched_chains;
   fit.warnings = match.warnings;
   if (!match.unmatched_chains.empty()) fit.warnings.push_back(unmatched_warning(match, target));
-  const std::vector<ChainPlane> planes = chain_planes(chains, match, target);
   for (const std::string& warning : fit.warnings) progress.warn(warning);
 
-  std::vector<Vec3> control_points = cage.points;
-  if (settings.mirror) topology = symmetric_level(std::move(topology), chains, match, planes, target);
-  auto level = std::make_unique<LevelSystem>(
-      build_level_system(std::move(topology), std::move(chains), cage_places(match), match));
+  std::unique_ptr<LevelSystem> level = std::move(first.level);
+  std::vector<Vec3> control_points;
   for (int depth = 0;; ++depth) {
     progress.step(fmt::format("fit, level {}", depth), static_cast<double>(depth) / (settings.levels + 1));
-    const Clock::time_point start = Clock::now();
-    const LevelFitInput input{*level, match, target, planes, settings};
-    if (depth == 0) control_points = interpolating_start(input, control_points);
-    LevelFitResult fitted = fit_level(input, control_points);
+    if (depth > 0) start = Clock::now();
+    LevelFitResult fitted = depth == 0 ? std::move(first.fitted)
+                                       : fit_level({*level, match, target, planes, settings}, control_points);
     control_points = fitted.best.control_points;
 
     SurfaceLevel child = build_child_level(level->topology);
@@ -139,7 +134,7 @@ SurfaceFit fit_surface(const Cage& cage, const TargetSurface& target, const FitS
     report.worst_place = deviation.worst_place;
     report.passes = fitted.passes;
     report.solver_iterations = fitted.iterations;
-    report.folds = fitted.best.folds;
+    report.folds = fitted.best.folds();
     report.crease_deviation = crease_deviation(surface, below, match, target) / diagonal;
     report.edge_length_ratio = edge_length_ratio(
         level->topology,

@@ -77,14 +77,14 @@ class LevelPasses {
     }
     if (!acceptable(next, allowed)) {
       result_.stopped_because =
-          next.folds > best().folds ? "a further pass would fold" : "the error fell no further";
+          next.folds() > best().folds() ? "a further pass would fold" : "the error fell no further";
       return false;
     }
     best() = std::move(next);
     const double diagonal = input_.target.diagonal();
     const std::chrono::duration<double> seconds = Clock::now() - start_;
-    result_.history.push_back({best().max / diagonal, best().rms / diagonal, best().folds, result_.iterations,
-                               seconds.count(), mode_.relaxation > 0});
+    result_.history.push_back({best().max / diagonal, best().rms / diagonal, best().folds(),
+                               result_.iterations, seconds.count(), mode_.relaxation > 0});
     return true;
   }
 
@@ -95,8 +95,8 @@ class LevelPasses {
   }
 
   bool acceptable(const FitPass& next, double allowed) {
-    return next.folds < best().folds ||
-           (next.folds == best().folds && next.score() < allowed * best().score());
+    return next.folds() < best().folds() ||
+           (next.folds() == best().folds() && next.score() < allowed * best().score());
   }
 
   const LevelFitInput& input_;
@@ -155,8 +155,8 @@ LevelFitResult fit_level(const LevelFitInput& input, const std::vector<Vec3>& co
   LevelFitResult relaxed;
   LevelPasses(input, relaxed).run(control_points, relaxing);
   const auto better = [](const LevelFitResult& a, const LevelFitResult& b) {
-    return a.best.folds != b.best.folds ? a.best.folds < b.best.folds
-                                        : a.best.score() < relaxed_credit * b.best.score();
+    return a.best.folds() != b.best.folds() ? a.best.folds() < b.best.folds()
+                                            : a.best.score() < relaxed_credit * b.best.score();
   };
   LevelFitResult& kept = better(plain, relaxed) ? plain : relaxed;
   const LevelFitResult& left = &kept == &plain ? relaxed : plain;

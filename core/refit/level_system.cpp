@@ -44,9 +44,7 @@ ChainPlaces cage_places(const FeatureMatch& match) {
     if (!chain.matched) continue;
     const std::size_t segments = chain.s.size() - 1;
     for (std::size_t k = 0; k <= 2 * segments; ++k) {
-      list.push_back(k == 0              ? chain.s.front()
-                     : k == 2 * segments ? chain.s.back()
-                                         : parameter_at(chain, 0.5 * static_cast<double>(k)));
+      list.push_back(k % 2 == 0 ? chain.s[k / 2] : parameter_at(chain, 0.5 * static_cast<double>(k)));
     }
   }
   return places;

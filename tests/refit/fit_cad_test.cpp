@@ -2,8 +2,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "core/cage/read_cage.hpp"
+#include "core/project/feature_match.hpp"
 #include "core/refit/fit_surface.hpp"
 #include "occ_bridge/cad_model.hpp"
 #include "occ_bridge/shapes.hpp"
@@ -91,6 +94,42 @@ TEST_CASE("rough cages: noise of 1 % and 3 % of the diagonal on every vertex", "
         CHECK(fit.max_deviation < 3 * plain);
       }
     }
+  }
+}
+
+TEST_CASE("a crease's vertex next to a section's nose is laid on it, however rough the cage", "[fit][cad]") {
+  const FitBody body = make_fit_body("wing_sharp");
+  for (const unsigned seed : {0U, 1U, 2U, 3U}) {
+    const Cage cage = with_noise(body.cage, seed == 0 ? 0 : 0.02 * body.cad.diagonal(), seed);
+    const SurfaceLevel level = build_surface_level(cage);
+    const std::vector<CreaseChain> chains = crease_chains(level);
+    const FeatureMatch match = match_features(level, cage.points, chains, body.cad);
+    int sections = 0;
+    for (std::size_t c = 0; c < chains.size(); ++c) {
+      if (chains[c].segment_count() < 6) continue;  // the trailing edge
+      const ChainMatch& chain = match.chains[c];
+      ++sections;
+      INFO("seed " << seed);
+      REQUIRE(chain.pinned.size() == 1);
+      const Vec3 nose = point_on_path(body.cad, chain.path, chain.pinned[0]).position;
+      CHECK(std::abs(nose.z()) < 1e-4);
+      CHECK(std::abs(nose.x() - nose.y() * std::tan(25 * std::numbers::pi / 180)) < 1e-4);
+    }
+    CHECK(sections == 2);
+  }
+}
+
+TEST_CASE("cages so rough that upper and lower side or the nose's vertex are mistaken at first",
+          "[fit][cad]") {
+  const FitBody body = make_fit_body("wing_fuselage");
+  const double plain = fitted(body.cage, body.cad, 2).max_deviation;
+  // Seeds of each kind: a tip's rim without a way round, a rim matched the other way round, the nose given to
+  // the vertex beside, a tip cap's inner vertices outside of its rim.
+  for (const unsigned seed : {8U, 21U, 6U, 32U, 16U}) {
+    INFO("seed " << seed);
+    const SurfaceFit fit = fitted(with_noise(body.cage, 0.03 * body.cad.diagonal(), seed), body.cad, 2);
+    CHECK(fit.unmatched_chains.empty());
+    CHECK(fit.max_deviation < 3 * plain);
   }
 }
 
