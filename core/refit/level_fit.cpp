@@ -61,13 +61,18 @@ class LevelPasses {
     result_.stopped_because = "passes used up";
   }
 
-  /// One pass of refit and projection; halves its step until it is acceptable. False when none is.
+  /// One pass of refit and projection; takes steps back where it folds, then halves the whole step until it
+  /// is acceptable. False when none is.
   bool improve(const StageMetrics& metrics, double allowed) {
     HierarchicalResult solved =
         solve_hierarchical(input_.level.system, best().targets, best().control_points, cgls_, metrics);
     result_.iterations += solved.iterations;
     ++result_.passes;
     FitPass next = evaluated(std::move(solved.control_points));
+    std::vector<bool> held(next.control_points.size(), false);
+    for (int held_back = 0; held_back < 3 && next.folds() > best().folds(); ++held_back) {
+      next = evaluated(held_where_folded(next, held));
+    }
     for (int damped = 0; damped < 4 && !acceptable(next, allowed); ++damped) {
       std::vector<Vec3> half(next.control_points.size());
       for (std::size_t v = 0; v < half.size(); ++v) {
@@ -86,6 +91,23 @@ class LevelPasses {
     result_.history.push_back({best().max / diagonal, best().rms / diagonal, best().folds(),
                                result_.iterations, seconds.count(), mode_.relaxation > 0});
     return true;
+  }
+
+  /// The pass without its steps round the faces that fold, so that one place does not stop all others.
+  std::vector<Vec3> held_where_folded(const FitPass& next, std::vector<bool>& held) {
+    const SurfaceLevel& t = input_.level.topology;
+    for (const Index folded : next.folded) {
+      for (const Index corner : t.face_vertices[folded]) {
+        for (const Index f : t.vertex_faces[corner]) {
+          for (const Index v : t.face_vertices[f]) held[v] = true;
+        }
+      }
+    }
+    std::vector<Vec3> points = next.control_points;
+    for (std::size_t v = 0; v < points.size(); ++v) {
+      if (held[v]) points[v] = best().control_points[v];
+    }
+    return points;
   }
 
   FitPass evaluated(std::vector<Vec3> control_points) {
