@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/parallel.hpp"
+#include "core/refit/strip_places.hpp"
 
 namespace flowcage {
 namespace {
@@ -80,7 +81,7 @@ ChainPlaces slid_places(const LevelSystem& level, const FeatureMatch& match, con
       slid[c] = slid_chain(level, static_cast<std::size_t>(c), match.chains[c], target, places[c], limits);
     }
   });
-  return slid;
+  return paired_places(level, match, target, slid);
 }
 
 std::vector<SurfacePoint> project_samples(const LevelSystem& level, const TargetSurface& target,
