@@ -34,7 +34,6 @@ def parse_arguments():
 
 
 restart_with_display()
-args = parse_arguments()
 import numpy as np  # noqa: E402  (after the restart: importing VTK twice takes seconds)
 import vtk  # noqa: E402
 from vtk.util.numpy_support import vtk_to_numpy  # noqa: E402
@@ -172,7 +171,35 @@ def aim(renderer, focus, direction, reach):
     renderer.ResetCameraClippingRange()
 
 
+def two_halves(size):
+    """A window "WIDTHxHEIGHT" and its left and right renderer."""
+    window = vtk.vtkRenderWindow()
+    window.SetOffScreenRendering(1)
+    window.SetSize(*(int(n) for n in size.split("x")))
+    window.SetMultiSamples(8)
+    left, right = vtk.vtkRenderer(), vtk.vtkRenderer()
+    for renderer, area in ((left, (0, 0, 0.5, 1)), (right, (0.5, 0, 1, 1))):
+        renderer.SetViewport(*area)
+        renderer.SetBackground(1, 1, 1)
+        window.AddRenderer(renderer)
+    return window, left, right
+
+
+def write_picture(window, path):
+    window.Render()
+    capture = vtk.vtkWindowToImageFilter()
+    capture.SetInput(window)
+    capture.ReadFrontBufferOff()
+    writer = vtk.vtkPNGWriter()
+    writer.SetFileName(path)
+    writer.SetInputConnection(capture.GetOutputPort())
+    writer.Write()
+    if not os.path.isfile(path):
+        sys.exit(f"render.py: cannot write {path}")
+
+
 def main():
+    args = parse_arguments()
     mesh = read(args.mesh)
     names, types = patches_of(mesh)
     ids = vtk_to_numpy(mesh.GetCellData().GetArray("patchId"))
@@ -202,16 +229,7 @@ def main():
         axis = int(np.argmin(extent))
         cut, title = cut_by_plane(mesh, axis, centre[axis], hexes), f"cells cut by {'xyz'[axis]} = {centre[axis]:.4g}"
 
-    width, height = (int(n) for n in args.size.split("x"))
-    window = vtk.vtkRenderWindow()
-    window.SetOffScreenRendering(1)
-    window.SetSize(width, height)
-    window.SetMultiSamples(8)
-    left, right = vtk.vtkRenderer(), vtk.vtkRenderer()
-    for renderer, area in ((left, (0, 0, 0.5, 1)), (right, (0.5, 0, 1, 1))):
-        renderer.SetViewport(*area)
-        renderer.SetBackground(1, 1, 1)
-        window.AddRenderer(renderer)
+    window, left, right = two_halves(args.size)
     show(left, wall, choose_field(wall, args.field), f"{wall.GetNumberOfCells():,} wall faces")
     show(right, cut, choose_field(cut, "scaled_jacobian" if cut.GetCellData().HasArray("scaled_jacobian") else None),
          f"{hexes:,} hexes, {title}")
@@ -221,16 +239,8 @@ def main():
     in_plane = np.delete(extent, axis)
     aim(right, centre, normal, 0.75 * float(max(in_plane)))
 
-    window.Render()
-    capture = vtk.vtkWindowToImageFilter()
-    capture.SetInput(window)
-    capture.ReadFrontBufferOff()
-    writer = vtk.vtkPNGWriter()
-    writer.SetFileName(args.picture)
-    writer.SetInputConnection(capture.GetOutputPort())
-    writer.Write()
-    if not os.path.isfile(args.picture):
-        sys.exit(f"render.py: cannot write {args.picture}")
+    write_picture(window, args.picture)
 
 
-main()
+if __name__ == "__main__":
+    main()
