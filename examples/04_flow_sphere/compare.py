@@ -3,7 +3,7 @@
 flowcage's, snappyHexMesh's with layers, and a blockMesh O-grid written by hand. Prints how far the velocity is from
 the exact one within one diameter of the sphere.
 
-    compare.py [FOLDER] [--levels N] [--first-height H] [--check]
+    compare.py [FOLDER] [--levels N] [--first-height H] [--check] [--snappy L2 MAX] [--ogrid L2 MAX]
 
 The sphere has diameter 1 and lies in a uniform flow of speed 1 along x; the far field is 10 diameters away and carries
 the exact potential (Dirichlet). Laplacian: `Gauss linear corrected` with 10 non-orthogonal correctors. The velocity of a
@@ -24,8 +24,6 @@ HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 RADIUS, FAR, GROWTH, NEAR = 0.5, 10.0, 1.2, 1.5  # metres; NEAR: one diameter from the wall
 CORRECTORS = 10
-# What flowcage's velocity error may be, as a share of another mesh's: (L2, largest).
-LIMITS = {"snappyHexMesh": (0.25, 0.1), "blockMesh": (1.2, 1.2)}
 
 
 def run(command, log, **options):
@@ -156,7 +154,7 @@ def mesh_snappy(case, settings, cells, wall_faces):
     """A box of the far field's half width, refined in shells round the sphere, with layers. The background's cells
     are chosen anew until the number of cells is within 4 % of the other meshes'."""
     size = math.sqrt(4 * math.pi * RADIUS**2 / wall_faces)  # of wall cells at first
-    level = 4
+    level = round(math.log2(2 * FAR / (24 * size)))  # a background of some 30 cells across
     across = 2 * FAR / (size * 2**level)
     best = None
     for _ in range(5):
@@ -357,7 +355,11 @@ def main():
     parser.add_argument("--levels", type=int, default=4, help="of flowcage's mesh (default: %(default)s, 69,000 cells)")
     parser.add_argument("--first-height", type=float, default=0.01, help="in diameters (default: %(default)s)")
     parser.add_argument("--bin", type=pathlib.Path, help="folder of the programs (default: build/release/bin)")
-    parser.add_argument("--check", action="store_true", help="exit code 1 unless flowcage's errors keep their limits")
+    parser.add_argument("--snappy", nargs=2, type=float, default=(0.25, 0.1), metavar=("L2", "MAX"),
+                        help="largest shares of snappyHexMesh's errors that flowcage's may be (default: %(default)s)")
+    parser.add_argument("--ogrid", nargs=2, type=float, default=(1.2, 1.2), metavar=("L2", "MAX"),
+                        help="the same of the O-grid's (default: %(default)s)")
+    parser.add_argument("--check", action="store_true", help="exit code 1 unless flowcage's errors keep these limits")
     settings = parser.parse_args()
     for program in ("blockMesh", "snappyHexMesh", "potentialFoam", "postProcess", "foamFormatConvert", "checkMesh"):
         if shutil.which(program) is None:
@@ -379,14 +381,19 @@ def main():
             make(case, settings, rows["flowcage"]["cells"], rows["flowcage"]["wall faces"])
         rows[name] = solve(case)
 
+    kept = True
+    for name, row in rows.items():
+        if abs(row["first height"] / settings.first_height - 1) > 0.1:
+            print(f"compare.py: {name} has a first height of {row['first height']:.4f} instead of "
+                  f"{settings.first_height}: no comparison (snappyHexMesh may have left out the layers)", file=sys.stderr)
+            kept = False
     print("| mesh | cells | first height | non-orthogonality | skewness | gradient: L2 | max | fluxes: L2 | max |")
     print("| --- | --- | --- | --- | --- | --- | --- | --- | --- |")
     for name, row in rows.items():
         errors = " | ".join(f"{e:.5f}" for way in ("gradient", "fluxes") for e in row[way])
         print(f"| {name} | {row['cells']:,} | {row['first height']:.4f} | {row['non-orthogonality']:.1f} "
               f"| {row['skewness']:.2f} | {errors} |")
-    kept = True
-    for other, limits in LIMITS.items():
+    for other, limits in (("snappyHexMesh", settings.snappy), ("blockMesh", settings.ogrid)):
         for way in ("gradient", "fluxes"):
             for error, limit, ours, theirs in zip(("L2", "max"), limits, rows["flowcage"][way], rows[other][way]):
                 holds = ours <= limit * theirs

@@ -1,6 +1,6 @@
 #!/bin/bash
 # A swept half wing, meshed and flown: simpleFoam with the Spalart-Allmaras model at Reynolds number 1e6 and 4 degrees of
-# incidence. Prints the coefficients of lift and drag on the way, and the residuals at the end.
+# incidence. Prints residuals, lift and drag; exit code 1 if they did not settle.
 #   run.sh [FOLDER] [LEVELS]    leaves CAD, case with the flow, VTU and pictures in FOLDER (default build/05_wing_flow)
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
@@ -22,4 +22,7 @@ export WM_PROJECT_DIR=${WM_PROJECT_DIR:-/usr/share/openfoam}
 cp -r "$here/case/." "$out/case"
 rm -rf "$out/case/postProcessing"
 simpleFoam -case "$out/case" >"$out/simpleFoam.log"
+if /usr/bin/python3 -c 'import vtkmodules' 2>/dev/null; then
+  /usr/bin/python3 "$here/picture.py" "$out/case/case.foam" "$out/flow.png"
+fi
 python3 "$here/report.py" "$out"
