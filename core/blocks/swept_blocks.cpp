@@ -51,7 +51,7 @@ class OuterLayout {
     at_[plan.back_upper] = {1, 1};
     at_[plan.back_lower] = {1, -1};
     const bool blunt = plan.trailing == TrailingEdge::blunt;
-    constexpr double half_wake = 0.2;
+    constexpr double half_wake = 0.3;
     for (std::size_t n = 0; n < plan.wake.size(); ++n) {
       at_[plan.wake[n]] = {1, blunt ? half_wake * (1 - static_cast<double>(n) / 2) : 0};
     }
@@ -112,6 +112,7 @@ class Sweep {
       std::uint8_t outward = level < first_ || level > last_ ? 4 : 0;
       if (vertex >= plan_.side.front()) outward |= bits(vertex);
       out_.outward.push_back(outward);
+      out_.corners.push_back({level, vertex});
     }
     return found->second;
   }

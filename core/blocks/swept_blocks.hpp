@@ -12,6 +12,12 @@ struct SweptSettings {
   double body_lengths = 20;  ///< half the box's edge in largest extents of the body (as FarField)
 };
 
+/// A corner of the blocks: a vertex of the plan at a level along the span (the fine wall's, far planes
+/// beyond).
+struct SweptCorner {
+  Index level = 0, vertex = 0;
+};
+
 /// Blocks of C-H topology round a wing or blade: the plan (swept_plan.hpp) swept along the span from the
 /// symmetry plane (or the far field beyond the first end) to the far field, the plug left out between the
 /// body's sections: that hole is the body. C and wake blocks go on past the ends, the plug carries the cap's
@@ -28,6 +34,7 @@ struct SweptBlocks {
   std::vector<Index> cage_vertex;     ///< #V of blocks.wall: vertex of the cage's level 1
   std::vector<std::uint8_t> outward;  ///< #corners: bit 0 on the box's sides, bit 1 at the wake's end, bit 2
                                       ///< beyond an end of the span; edges from 0 to 1 are outward
+  std::vector<SweptCorner> corners;   ///< #corners
   SweptAxes box_axes;                 ///< of the box: coordinate axes where the span is one
 };
 

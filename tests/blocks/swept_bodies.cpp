@@ -6,6 +6,7 @@
 #include <map>
 #include <stdexcept>
 
+#include "core/blocks/swept_base.hpp"
 #include "core/limit/limit_stencils.hpp"
 #include "core/optimise/untangle.hpp"
 #include "core/subdivide/refine.hpp"
@@ -105,10 +106,12 @@ SweptMesh mesh_swept_body(const CadModel& cad, const std::string& name, int leve
   FitSettings settings;
   settings.levels = std::max(levels, 1);
   SurfaceFit fit = fit_surface(swept.cage, cad, settings, progress);
-  const std::vector<Vec3>& start = fit.levels[1].control_points;
+  std::vector<Vec3> start = fit.levels[1].control_points;
+  straighten_base(swept, swept.blocks.wall, fit.levels[1].topology, start);
   BlockMesh mesh = start_swept_volume(swept, start, layers_at_start(swept, start, settings.levels - 1));
   SurfaceLevel cut = swept.blocks.wall;
-  const auto place = [&](int level, const std::vector<Vec3>& points) {
+  const auto place = [&](int level, std::vector<Vec3> points) {
+    straighten_base(swept, cut, fit.levels[level].topology, points);
     std::vector<Vec3> places;
     for (const Index v : cut_vertices(cut, fit.levels[level].topology)) places.push_back(points[v]);
     place_boundary(mesh, swept.blocks, cut, {places, {}});
@@ -118,7 +121,7 @@ SweptMesh mesh_swept_body(const CadModel& cad, const std::string& name, int leve
     mesh = refine_volume(mesh);
     cut = build_child_level(cut);
     place(level, fit.levels[level].control_points);
-    if (mesh.cell_count() < 30000) smooth(mesh, progress);
+    if (mesh.cell_count() < 100000) smooth(mesh, progress);
   }
   const FittedLevel& last = fit.levels.back();
   place(settings.levels, apply_stencils(limit_stencils(last.topology), last.control_points));
