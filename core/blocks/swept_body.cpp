@@ -169,7 +169,7 @@ bool is_flat_end(const TargetSurface& target, const SweptAxes& axes, double end,
     const Vec3 centre = (t.points[v[0]] + t.points[v[1]] + t.points[v[2]]) / 3;
     if (std::abs(axes.span.dot(centre) - end) > depth) continue;
     const Vec3 area = (t.points[v[1]] - t.points[v[0]]).cross(t.points[v[2]] - t.points[v[0]]) / 2;
-    if (std::abs(area.dot(axes.span)) > 0.9 * area.norm()) facing += area.norm();
+    if (std::abs(area.dot(axes.span)) > 0.99 * area.norm()) facing += area.norm();
   }
   const PlaneCut inside = cut_plane(t, axes.span, end + inward * depth, 1e-4 * target.diagonal());
   return facing > 0.6 * inside.area;
@@ -191,11 +191,24 @@ struct Finder {
     refuse("the plane across the span has no section", c + (s - body.axes.span.dot(c)) * body.axes.span);
   }
 
+  /// An open or flat end across the axis: then it is no chance that it is the span.
+  bool has_plane_end(const Vec3& axis) const {
+    for (const OpenRim& rim : open_rims(target)) {
+      if (std::abs(rim.normal.dot(axis)) > 1 - 1e-6) return true;
+    }
+    const Range ends = range_along(target, axis);
+    SweptAxes axes;
+    axes.span = axis;
+    const double depth = 0.005 * ends.length();
+    return is_flat_end(target, axes, ends.low, 1, depth) || is_flat_end(target, axes, ends.high, -1, depth);
+  }
+
   void find_axis() {
     AxisScore best;
     Vec3 span = Vec3::UnitY();
     const AxisCandidates candidates = axis_candidates(target);
     for (std::size_t n = 0; n < candidates.axes.size(); ++n) {
+      if (n == candidates.natural && has_plane_end(span)) break;
       const AxisScore score = score_axis(target, candidates.axes[n]);
       const double lead = n < candidates.natural ? 1.02 : 1.6;
       if (score.score > lead * best.score) {
@@ -243,22 +256,50 @@ struct Finder {
     }
   }
 
-  /// Where the first or last ring lies: at the end, just inside for the cut; for rounded ends where the
-  /// thickness starts to leave the straight line of the sections inside.
+  /// Where the sharp chain at the trailing edge of a section ends toward an end of the span, if it ends
+  /// between them.
+  std::optional<double> trailing_end(const AirfoilSection& from, int end) const {
+    std::optional<double> found;
+    for (const FeatureChain& chain : target.features().chains) {
+      if (chain.kind != ChainKind::sharp) continue;
+      Range along;
+      double nearest = std::numeric_limits<double>::max();
+      for (std::size_t n = 0; n + 1 < chain.polyline.size(); ++n) {
+        const double a = body.axes.span.dot(chain.polyline[n]);
+        const double b = body.axes.span.dot(chain.polyline[n + 1]);
+        along.include(a);
+        along.include(b);
+        if ((a < from.s) == (b < from.s)) continue;
+        const Vec3 p =
+            chain.polyline[n] + (from.s - a) / (b - a) * (chain.polyline[n + 1] - chain.polyline[n]);
+        nearest = std::min(nearest, (body.axes.section_place(p) - from.trailing).norm());
+      }
+      if (nearest > 0.08 * from.chord()) continue;
+      const double at = end == 0 ? along.low : along.high;
+      if (std::abs(at - body.reach[end]) > 1e-3 * range.length()) found = at;
+    }
+    return found;
+  }
+
+  /// Where the first or last ring lies: at the end; for rounded ends where the trailing edge ends, or where
+  /// the thickness starts to leave the straight line of the sections inside.
   double ring_at(int end) const {
     const double inward = end == 0 ? 1 : -1;
     const double at = body.reach[end];
     if (body.ends[end] != SweptEnd::rounded) return at;
     const double outer_chord = section(at + inward * 0.1 * range.length()).chord();
     const double reach = std::min(0.4 * range.length(), outer_chord);
+    if (const auto s = trailing_end(section(at + inward * reach), end)) return *s;
     const double a = section(at + inward * 2 * reach).thickness();
     const double b = section(at + inward * reach).thickness();
     constexpr int steps = 200;
-    constexpr double left = 0.98;  // of a half circle at a fifth of its radius
+    // Of an ellipse, six tenths of its half axis out; nearer to the ring the tessellation's error shows.
+    constexpr double left = 0.8;
+    constexpr double rest = 0.4;
     for (int n = 1; n < steps; ++n) {
       const double d = reach * (1 - static_cast<double>(n) / steps);
       const double straight = b + (b - a) * (reach - d) / reach;
-      if (section(at + inward * d).thickness() < left * straight) return at + inward * d / 0.8;
+      if (section(at + inward * d).thickness() < left * straight) return at + inward * d / rest;
     }
     return at + inward * reach / steps;
   }
@@ -267,11 +308,12 @@ struct Finder {
     const double first = ring_at(0);
     const double last = ring_at(1);
     constexpr int samples = 81;
+    // Planes through the rims are cut just inside of them.
     const double inset = 1e-5 * range.length();
     std::vector<AirfoilSection> fine;
     for (int n = 0; n < samples; ++n) {
       const double s = first + (last - first) * n / (samples - 1);
-      fine.push_back(section(std::clamp(s, range.low + inset, range.high - inset)));
+      fine.push_back(section(std::clamp(s, first + inset, last - inset)));
       fine.back().s = s;
     }
     vote_trailing_edge(fine);
@@ -283,7 +325,7 @@ struct Finder {
     for (const int n : chosen) at.push_back(fine[n].s);
     space_out(fine, at);
     for (const double s : at) {
-      AirfoilSection ring = section(std::clamp(s, range.low + inset, range.high - inset));
+      AirfoilSection ring = section(std::clamp(s, first + inset, last - inset));
       ring.s = s;
       body.sections.push_back(std::move(ring));
     }

@@ -23,7 +23,8 @@ struct SweptBody {
 /// Finds span axis, chord, trailing edge, ends and stations of a wing or blade in CAD; the first end is the
 /// open one where there is one. Span axis: of the coordinate axes and the normals of planar open borders the
 /// one along which the body is longest in mean section diameters, with one connected section in nearly all of
-/// 13 cuts; a principal axis (they tilt on swept wings) only where it is 1.6 times better. Stations: where
+/// 13 cuts; a principal axis (they tilt on swept wings) only where it is 1.6 times better and
+/// no open or flat end lies across the other. Stations: where
 /// leading edge, trailing edge or thickness leave the straight line between their neighbours by more than 0.5
 /// % of the chord, half a chord inside a closed end, and no spacing above 2.5 chords or twice its
 /// neighbour's.

@@ -77,6 +77,7 @@ Index layers_at_start(const SweptBlocks& swept, std::span<const Vec3> wall, int 
 void smooth(BlockMesh& mesh, Progress& progress) {
   UntangleSettings settings;
   settings.freedom = freedom(mesh);
+  settings.max_cell_evaluations = 4e7;
   mesh.mutable_points() = untangle(mesh, settings, progress).points;
 }
 
