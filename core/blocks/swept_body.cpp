@@ -204,23 +204,25 @@ struct Finder {
   }
 
   void find_axis() {
-    AxisScore best;
+    AxisScore best, most_parted;
     Vec3 span = Vec3::UnitY();
     const AxisCandidates candidates = axis_candidates(target);
     for (std::size_t n = 0; n < candidates.axes.size(); ++n) {
       if (n == candidates.natural && has_plane_end(span)) break;
       const AxisScore score = score_axis(target, candidates.axes[n]);
+      if (score.parted > most_parted.parted) most_parted = score;
       const double lead = n < candidates.natural ? 1.02 : 1.6;
       if (score.score > lead * best.score) {
         best = score;
         span = candidates.axes[n];
       }
     }
-    if (!(best.score > 0)) refuse("no axis has a section in most planes", target.bounds().center());
+    if (!(best.score > 0)) best = most_parted;
     if (best.parted > 3) {
       refuse(fmt::format("{} of 13 sections have several parts, {} of them", best.parted, best.most_parts),
              best.worst);
     }
+    if (!(best.score > 0)) refuse("no axis has a section in most planes", target.bounds().center());
     range = range_along(target, span);
     if (const auto rims = open_rims(target); !rims.empty()) {
       // The open end comes first.

@@ -7,7 +7,7 @@
 namespace flowcage {
 namespace {
 
-constexpr double front_fraction = 0.2, rear_fraction = 0.65;
+constexpr double front_fraction = 0.2, rear_fraction = 0.65, base_fraction = 0.97;
 
 /// (u, w) of a coarse vertex of the plan in a section.
 Vec2 section_point(const AirfoilSection& section, const SweptPlan& plan, Index vertex) {

@@ -82,6 +82,9 @@ int main(int argc, char** argv) {
             q.scaled_jacobian.min, q.scaled_jacobian.mean, q.non_orthogonality.max, q.skewness.max,
             r.fit.max_deviation, r.fit.coverage_deviation, cpu_seconds() - start,
             failures.empty() ? "Mesh OK" : failures);
+        if (r.start.inverted > 0) {
+          fmt::print("    {} of the blocks' cells were inverted before smoothing\n", r.start.inverted);
+        }
         for (const std::string& w : r.swept.body.warnings) fmt::print("    {}\n", w);
         for (const std::string& w : r.fit.warnings) fmt::print("    {}\n", w);
         for (int k = 0; k < std::min<int>(worst, static_cast<int>(q.scaled_jacobian.worst.size())); ++k) {

@@ -117,6 +117,7 @@ SweptMesh mesh_swept_body(const CadModel& cad, const std::string& name, int leve
     for (const Index v : cut_vertices(cut, fit.levels[level].topology)) places.push_back(points[v]);
     place_boundary(mesh, swept.blocks, cut, {places, {}});
   };
+  const HexValidity at_start = hex_validity(mesh);
   smooth(mesh, progress);
   for (int level = 2; level <= settings.levels; ++level) {
     mesh = refine_volume(mesh);
@@ -133,7 +134,7 @@ SweptMesh mesh_swept_body(const CadModel& cad, const std::string& name, int leve
     mesh.mutable_points() = repair_cells(mesh, repair, progress).points;
   }
   const HexValidity validity = hex_validity(mesh);
-  return {std::move(swept), std::move(fit), std::move(mesh), validity};
+  return {std::move(swept), std::move(fit), std::move(mesh), at_start, validity};
 }
 
 }  // namespace flowcage::test

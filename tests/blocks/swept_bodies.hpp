@@ -21,7 +21,8 @@ struct SweptMesh {
   SweptBlocks swept;
   SurfaceFit fit;
   BlockMesh mesh;
-  HexValidity validity;
+  HexValidity start;     ///< of the blocks before any smoothing
+  HexValidity validity;  ///< of the mesh
 };
 
 /// Blocks, fit, refinement that follows the fit, smoothing: to level `levels` of the cage, without layers.
