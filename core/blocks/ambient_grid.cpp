@@ -11,10 +11,13 @@
 #include "core/blocks/ambient_frame.hpp"
 #include "core/blocks/ambient_map.hpp"
 #include "core/blocks/cage_of_blocks.hpp"
+#include "core/blocks/chart_borders.hpp"
 #include "core/blocks/grid_lines.hpp"
 #include "core/blocks/pillow.hpp"
+#include "core/blocks/region_labels.hpp"
 #include "core/blocks/surface_charts.hpp"
 #include "core/blocks/voxel_grid.hpp"
+#include "core/blocks/wall_features.hpp"
 #include "core/project/find_creases.hpp"
 
 namespace flowcage {
@@ -77,6 +80,7 @@ std::vector<KnifeLine> knife_lines(const TargetSurface& target, const SurfaceCha
     }
     knife.length = chains[c].length;
     knife.axes = 7 & ~(1 << along);
+    knife.across = across;
     knives.push_back(std::move(knife));
   }
   return knives;
@@ -91,7 +95,8 @@ std::array<std::vector<LineAnchor>, 3> line_anchors(const SurfaceCharts& charts,
   }
   for (std::size_t l = 0; l < knives.size(); ++l) {
     for (int axis = 0; axis < 3; ++axis) {
-      if ((knives[l].axes >> axis & 1) != 0) {
+      // Not across the knife: the two sides have lines there.
+      if ((knives[l].axes >> axis & 1) != 0 && axis != knives[l].across) {
         anchors[axis].push_back({map.line_value[l][axis], knives[l].length * knives[l].length, 0});
       }
     }
@@ -173,23 +178,29 @@ AmbientBlocks make_ambient_blocks(const TargetSurface& target, const AmbientSett
   AmbientBlocks result;
   AmbientReport& report = result.report;
   progress.step("blocks", 0);
-  const AmbientBody body = ambient_body(target);
   const AmbientFrame frame = ambient_frame(target, settings);
+  const MapSettings map_settings;
+  const AmbientBody body = ambient_body(target, map_spacing(frame, map_settings));
   report.size = frame.size;
   const double least = 0.1 * std::min({frame.size[0], frame.size[1], frame.size[2]});
   const SurfaceCharts charts = surface_charts(target, least * least);
   const std::vector<KnifeLine> knives = knife_lines(target, charts);
-  const AmbientMap map = settings.map ? solve_ambient_map(body, charts, frame, knives, {}, progress)
+  const AmbientMap map = settings.map ? solve_ambient_map(body, charts, frame, knives, map_settings, progress)
                                       : identity_map(charts, knives);
   report.charts = static_cast<Index>(charts.charts.size());
 
+  for (std::size_t c = 0; c < charts.charts.size(); ++c) { const auto& h = charts.charts[c]; if (h.area > 1e-2) fmt::print(stderr, "XDBG chart {} {}{} area {:.4g} diam {:.3g} group {} place {} value {:.4g}\n", c, h.sign>0?'+':'-', "xyz"[h.axis], h.area, h.diameter, h.group, place(h.place), map.chart_value[c]); }
+  for (std::size_t c = 0; c < knives.size(); ++c) fmt::print(stderr, "DBG knife {} axes {} values {:.4g} {:.4g} {:.4g}\n", c, knives[c].axes, map.line_value[c][0], map.line_value[c][1], map.line_value[c][2]);
+  { std::vector<double> w(charts.charts.size(),0), e(w),mx(w); for (Index t=0;t<(Index)body.triangles.size();++t){ const auto& v=body.triangles[t]; if (body.parent[t]<0) continue; const Index c=charts.chart[body.parent[t]]; const double ar=(body.points[v[1]]-body.points[v[0]]).cross(body.points[v[2]]-body.points[v[0]]).norm(); const double d=map((body.points[v[0]]+body.points[v[1]]+body.points[v[2]])/3)[charts.charts[c].axis]-map.chart_value[c]; w[c]+=ar; e[c]+=ar*d*d; mx[c]=std::max(mx[c],std::abs(d));} for (std::size_t c=0;c<w.size();++c) if (charts.charts[c].area>1e-2) fmt::print(stderr,"DBG flat {} rms {:.3f} max {:.3f}\n", c, std::sqrt(e[c]/w[c])/frame.size[charts.charts[c].axis],mx[c]/frame.size[charts.charts[c].axis]); }
   VoxelGrid grid;
   grid.lines = grid_lines(frame, line_anchors(charts, map, knives), settings.growth);
   report.lines = grid.lines;
   progress.step("blocks: voxels", 0.3);
   std::vector<Vec3> mapped;
   for (const Vec3& p : body.points) mapped.push_back(map(p));
-  const std::vector<double> fraction = body_fractions(grid, mapped, body.triangles);
+  const std::array<std::vector<double>, 3> seen = body_fractions(grid, mapped, body.triangles);
+  std::vector<double> fraction(seen[0].size());
+  for (std::size_t c = 0; c < fraction.size(); ++c) fraction[c] = std::max({seen[0][c], seen[1][c], seen[2][c]});
   fill_body(grid, fraction, settings, report);
   std::vector<Index> node;
   BlockDraft draft = draft_of_voxels(grid, settings.internal ? 1 : 0, node);
@@ -197,20 +208,43 @@ AmbientBlocks make_ambient_blocks(const TargetSurface& target, const AmbientSett
     throw Error(ErrorKind::gate, "automatic blocks: no cell of the grid lies in the fluid",
                 "give a smaller --cage-size");
   }
-  for (Vec3& p : draft.points) p = map.inverse(p, p);
-  if (settings.wall_layer) {
-    draft = pillow(draft, std::vector<char>(draft.hexes.size(), 1), [](const BoundaryQuad& q) {
-              return q.patch == 0;
-            }).draft;
-  }
+  // The wall of the bare draft, in the mapped box: what labels are made from. Pillows keep it.
   std::vector<char> is_wall;
   for (const BoundaryQuad& q : draft.boundary) is_wall.push_back(q.patch == 0 ? 1 : 0);
   WallCage wall = cage_of_blocks(draft, is_wall, !settings.internal);
-  progress.step("blocks: creases", 0.6);
-  FoundCreases found = find_creases(wall.cage, target);
-  report.chains = found.sharp_chains;
-  report.chains_matched = found.followed;
-  result.cage = std::move(found.cage);
+  progress.step("blocks: labels", 0.5);
+  result.cage = std::move(wall.cage);
+  if (settings.labels) {
+    std::vector<Index> triangle_chart;
+    for (const Index t : body.parent) triangle_chart.push_back(t == no_index ? no_index : charts.chart[t]);
+    const double size = std::max({frame.size[0], frame.size[1], frame.size[2]});
+    const ChartBorders borders = chart_borders(target.tessellation(), charts, 0.1 * size, map);
+    LabelSettings labelling;
+    labelling.size = size;
+    const std::vector<Index> label = label_quads(result.cage, 1, mapped, body.triangles, triangle_chart, charts,
+                                                 borders, labelling);
+    WallFeatures features = wall_features({result.cage, label, body, mapped, triangle_chart}, target, charts, borders);
+    report.chains = features.chains;
+    report.chains_matched = features.chains_followed;
+    report.findings.insert(report.findings.end(), features.findings.begin(), features.findings.end());
+    result.cage.creases = std::move(features.creases);
+    result.cage.corners = std::move(features.corners);
+    result.cage.points = std::move(features.places);
+    result.face_chart = label;
+  }
+  for (Vec3& p : draft.points) p = map.inverse(p, p);
+  if (!settings.labels) {
+    for (std::size_t v = 0; v < wall.vertex_corner.size(); ++v) result.cage.points[v] = draft.points[wall.vertex_corner[v]];
+    FoundCreases found = find_creases(result.cage, target);
+    report.chains = found.sharp_chains;
+    report.chains_matched = found.followed;
+    result.cage = std::move(found.cage);
+  }
+  if (settings.wall_layer) {
+    draft = pillow(draft, std::vector<char>(draft.hexes.size(), 1),
+                   [](const BoundaryQuad& q) { return q.patch == 0; })
+                .draft;
+  }
   assemble(std::move(draft), frame, result, wall);
   return result;
 }

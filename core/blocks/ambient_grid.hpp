@@ -4,18 +4,12 @@
 
 #include "core/base/progress.hpp"
 #include "core/blocks/ambient_settings.hpp"
+#include "core/blocks/finding.hpp"
 #include "core/mesh/cage.hpp"
 #include "core/mesh/hex_complex.hpp"
 #include "core/target/target_surface.hpp"
 
 namespace flowcage {
-
-/// A check that failed, with what a person needs to find it.
-struct AmbientFinding {
-  std::string check;  ///< "manifold", "components", "euler", "region", "chain", ...
-  std::string what;   ///< one line: the CAD's face or edge, and coordinates
-  Vec3 place = Vec3::Zero();
-};
 
 struct AmbientReport {
   std::array<std::vector<double>, 3> lines;  ///< of the grid, in the mapped box
@@ -33,6 +27,7 @@ struct AmbientBlocks {
   std::vector<Index> vertex_corner;  ///< #V of the cage: its corner of the complex
   std::vector<Index> face_quad;      ///< #F of the cage: its quad of the complex
   std::vector<Index> face_region;    ///< #F: the CAD face it belongs to
+  std::vector<Index> face_chart;     ///< #F: the chart of the CAD's surface it was given
   AmbientReport report;
 };
 

@@ -52,27 +52,6 @@ struct AreaPoint {
   Index triangle;
 };
 
-void sample_triangle(const std::array<Vec3, 3>& t, double spacing, Index number,
-                     std::vector<AreaPoint>& out) {
-  int longest = 0;
-  double length = 0;
-  for (int i = 0; i < 3; ++i) {
-    const double l = (t[(i + 1) % 3] - t[i]).norm();
-    if (l > length) {
-      length = l;
-      longest = i;
-    }
-  }
-  if (length <= spacing) {
-    out.push_back({(t[0] + t[1] + t[2]) / 3, (t[1] - t[0]).cross(t[2] - t[0]).norm() / 2, number});
-    return;
-  }
-  const Vec3 middle = (t[longest] + t[(longest + 1) % 3]) / 2;
-  const Vec3& tip = t[(longest + 2) % 3];
-  sample_triangle({t[longest], middle, tip}, spacing, number, out);
-  sample_triangle({middle, t[(longest + 1) % 3], tip}, spacing, number, out);
-}
-
 class System {
  public:
   System(Index nodes, Index extra) : nodes_(nodes), size_(nodes + extra), rhs_(Eigen::VectorXd::Zero(size_)) {
@@ -182,12 +161,16 @@ Vec3 AmbientMap::inverse(const Vec3& y, const Vec3& start) const {
   return x;
 }
 
+double map_spacing(const AmbientFrame& frame, const MapSettings& settings) {
+  return frame.near.sizes().maxCoeff() / settings.nodes;
+}
+
 AmbientMap solve_ambient_map(const AmbientBody& body, const SurfaceCharts& charts, const AmbientFrame& frame,
                              const std::vector<KnifeLine>& knives, const MapSettings& settings,
                              Progress& progress) {
   AmbientMap map;
   const Vec3 extent = frame.near.sizes();
-  const double spacing = extent.maxCoeff() / settings.nodes;
+  const double spacing = map_spacing(frame, settings);
   std::array<Index, 3> nodes{};
   Vec3 width;
   for (int axis = 0; axis < 3; ++axis) {
@@ -218,9 +201,11 @@ AmbientMap solve_ambient_map(const AmbientBody& body, const SurfaceCharts& chart
   winding_numbers(tree, centres, 2, winding);
 
   std::vector<AreaPoint> samples;
-  for (Index t = 0; t < body.cad_triangles(); ++t) {
-    const auto& v = body.triangles[t];
-    sample_triangle({body.points[v[0]], body.points[v[1]], body.points[v[2]]}, 0.6 * spacing, t, samples);
+  for (std::size_t t = 0; t < body.triangles.size(); ++t) {
+    if (body.parent[t] == no_index) continue;
+    const Vec3 &a = body.points[body.triangles[t][0]], &b = body.points[body.triangles[t][1]],
+               &c = body.points[body.triangles[t][2]];
+    samples.push_back({(a + b + c) / 3, (b - a).cross(c - a).norm() / 2, body.parent[t]});
   }
   const std::array<std::array<double, 8>, 8> stiffness = cell_stiffness(width);
   const auto chart_count = static_cast<Index>(charts.charts.size());

@@ -27,16 +27,20 @@ struct AmbientMap {
 
 struct MapSettings {
   int nodes = 40;             ///< along the longest axis
-  double chart_weight = 30;   ///< of a chart's flatness against the map's smoothness
-  double surface_weight = 1;  ///< stiffness of the surface along axes that a triangle is not labelled with
+  double chart_weight = 100;   ///< of a chart's flatness against the map's smoothness
+  double surface_weight = 10;  ///< stiffness of the surface along axes that a triangle is not labelled with
   double body_weight = 10;    ///< stiffness of the body's inside
 };
+
+/// Spacing of the map's grid.
+double map_spacing(const AmbientFrame& frame, const MapSettings& settings);
 
 /// A curve that should have a constant coordinate along `axes` (bit a): a knife edge.
 struct KnifeLine {
   std::vector<Vec3> points;  ///< evenly along it
   double length = 0;
   int axes = 0;
+  int across = 0;  ///< the axis along which its two sides face
 };
 
 /// Three least-squares problems, one an axis: displacement v along it minimises
@@ -44,7 +48,8 @@ struct KnifeLine {
 ///   lines
 ///   +  sum over the other charts  h s int |grad v|^2
 /// with k = body_weight inside of the body and 1 outside, c an unknown of each chart and line, h the grid's
-/// spacing; by conjugate gradients.
+/// spacing; by conjugate gradients. The body's triangles are not longer than about the grid's
+/// spacing: each is a point of the integrals.
 AmbientMap solve_ambient_map(const AmbientBody& body, const SurfaceCharts& charts, const AmbientFrame& frame,
                              const std::vector<KnifeLine>& knives, const MapSettings& settings,
                              Progress& progress);

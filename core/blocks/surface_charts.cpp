@@ -8,6 +8,7 @@ namespace flowcage {
 namespace {
 
 constexpr double on_chain = 1e-4;  // diagonals: how near to a chain an edge's ends must be
+constexpr double longest = 1.3;  // edge lengths: arc between an edge's ends
 constexpr double chord = 0.15;     // edge lengths: how far its middle may be (a chord of the curve)
 
 std::vector<std::array<Index, 3>> triangles_across(const Tessellation& cad) {
@@ -58,9 +59,13 @@ class ChainFinder {
       const std::vector<Index>& faces = target_.features().chains[c].faces;
       const bool beside_both = face == other || std::binary_search(faces.begin(), faces.end(), other);
       if (!beside_both || !boxes_[c].contains(a) || !boxes_[c].contains(b)) continue;
-      if (target_.closest_on_chain(c, a).distance > tolerance_) continue;
-      if (target_.closest_on_chain(c, b).distance > tolerance_) continue;
-      if (target_.closest_on_chain(c, (a + b) / 2).distance > tolerance_ + chord * (b - a).norm()) continue;
+      const CurvePoint first = target_.closest_on_chain(c, a), last = target_.closest_on_chain(c, b);
+      if (first.distance > tolerance_ || last.distance > tolerance_) continue;
+      const double length = (b - a).norm(), whole = target_.features().chains[c].length;
+      if (target_.closest_on_chain(c, (a + b) / 2).distance > tolerance_ + chord * length) continue;
+      // Along the chain from end to end, not across a thin face between two of its runs.
+      const double along = std::abs(last.s - first.s);
+      if (std::min(along, std::max(whole - along, length)) > longest * length + tolerance_) continue;
       return c;
     }
     return no_index;

@@ -94,6 +94,7 @@ int main(int argc, char** argv) {
   app.add_option("--cage-size", job.ambient.cage_size, "edge length of cage quads, m");
   app.add_option("--level", job.level, "of the fit");
   app.add_flag("!--no-map", job.ambient.map, "without the map");
+  app.add_flag("!--no-labels", job.ambient.labels, "creases by paths instead of labels");
   app.add_flag("!--no-layer", job.ambient.wall_layer, "without the O-grid of one layer");
   app.add_option("--growth", job.ambient.growth, "toward the far field");
   bool internal = false;

@@ -1,0 +1,166 @@
+#include "core/blocks/wall_features.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "core/base/error.hpp"
+#include "core/blocks/closest_triangle.hpp"
+
+namespace flowcage {
+namespace {
+
+std::array<Index, 2> ordered(Index a, Index b) {
+  return {std::min(a, b), std::max(a, b)};
+}
+
+const BorderPoint* nearest_border(const std::vector<BorderPoint>& border, const Vec3& p) {
+  const BorderPoint* best = nullptr;
+  double least = 1e300;
+  for (const BorderPoint& b : border) {
+    const double squared = (b.mapped - p).squaredNorm();
+    if (squared >= least) continue;
+    least = squared;
+    best = &b;
+  }
+  return best;
+}
+
+/// Places of wall vertices on the CAD, by the charts that meet there.
+class Places {
+ public:
+  Places(const LabelledWall& labelled, const SurfaceCharts& charts, const ChartBorders& borders)
+      : labelled_(labelled), borders_(borders), of_chart_(charts.charts.size()) {
+    for (Index t = 0; t < static_cast<Index>(labelled.triangle_chart.size()); ++t) {
+      if (labelled.triangle_chart[t] != no_index) of_chart_[labelled.triangle_chart[t]].push_back(t);
+    }
+  }
+
+  Vec3 of(const Vec3& p, const std::set<Index>& charts) const {
+    if (charts.size() > 2) {
+      const ChartBorders::Corner* best = nullptr;
+      double least = 1e300;
+      std::size_t most = 2;
+      for (const ChartBorders::Corner& corner : borders_.corners) {
+        const auto common = static_cast<std::size_t>(
+            std::count_if(corner.charts.begin(), corner.charts.end(), [&](Index c) { return charts.count(c) > 0; }));
+        const double squared = (corner.mapped - p).squaredNorm();
+        if (common < most + (most == 2 ? 1 : 0) || (common == most && squared >= least)) continue;
+        most = common;
+        least = squared;
+        best = &corner;
+      }
+      if (best != nullptr) return best->position;
+    }
+    if (charts.size() > 1) {
+      const BorderPoint* best = nullptr;
+      for (const Index a : charts) {
+        for (const Index b : charts) {
+          const auto found = a < b ? borders_.between.find({a, b}) : borders_.between.end();
+          if (found == borders_.between.end()) continue;
+          const BorderPoint* near = nearest_border(found->second, p);
+          if (best == nullptr || (near->mapped - p).squaredNorm() < (best->mapped - p).squaredNorm()) best = near;
+        }
+      }
+      if (best != nullptr) return best->position;
+    }
+    Vec3 place = p;
+    double least = 1e300;
+    for (const Index c : charts) {
+      for (const Index t : of_chart_[c]) {
+        const auto& v = labelled_.body.triangles[t];
+        const auto& m = labelled_.mapped;
+        const Vec3 w = nearest_barycentric(p, m[v[0]], m[v[1]], m[v[2]]);
+        const double squared = (w[0] * m[v[0]] + w[1] * m[v[1]] + w[2] * m[v[2]] - p).squaredNorm();
+        if (squared >= least) continue;
+        least = squared;
+        const auto& x = labelled_.body.points;
+        place = w[0] * x[v[0]] + w[1] * x[v[1]] + w[2] * x[v[2]];
+      }
+    }
+    return place;
+  }
+
+ private:
+  const LabelledWall& labelled_;
+  const ChartBorders& borders_;
+  std::vector<std::vector<Index>> of_chart_;
+};
+
+std::string chain_text(const TargetSurface& target, Index c) {
+  const FeatureChain& chain = target.features().chains[c];
+  return fmt::format("sharp edges of {:.4g} m from {} over {} to {}", chain.length,
+                     place(chain.polyline.front()), place(chain.polyline[chain.polyline.size() / 2]),
+                     place(chain.polyline.back()));
+}
+
+}  // namespace
+
+WallFeatures wall_features(const LabelledWall& labelled, const TargetSurface& target,
+                           const SurfaceCharts& charts, const ChartBorders& borders) {
+  WallFeatures result;
+  const Cage& wall = labelled.wall;
+  std::vector<std::set<Index>> at(wall.points.size());
+  std::map<std::array<Index, 2>, Index> open;
+  std::map<Index, std::vector<Index>> chains_at;  // vertex: chain of each crease edge there
+  std::set<Index> followed;
+  for (Index f = 0; f < wall.faces.size(); ++f) {
+    for (int n = 0; n < 4; ++n) {
+      const Index a = wall.faces[f][n], b = wall.faces[f][(n + 1) % 4];
+      at[a].insert(labelled.label[f]);
+      const auto [it, fresh] = open.try_emplace(ordered(a, b), f);
+      const Index other = labelled.label[it->second];
+      if (fresh || other == labelled.label[f]) continue;
+      const Vec3 middle = (wall.points[a] + wall.points[b]) / 2;
+      const auto border = borders.between.find(ordered(other, labelled.label[f]));
+      if (border == borders.between.end()) {
+        const Vec3& p = charts.charts[other].place;
+        const Vec3& q = charts.charts[labelled.label[f]].place;
+        result.findings.push_back(
+            {"border", fmt::format("quads of the surface round {} and of that round {} are neighbours, but these do not meet",
+                                   place(p), place(q)),
+             p});
+        continue;
+      }
+      const Index chain = nearest_border(border->second, middle)->chain;
+      if (chain == no_index) continue;
+      result.creases.push_back({a, b});
+      result.crease_chain.push_back(chain);
+      followed.insert(chain);
+      chains_at[a].push_back(chain);
+      chains_at[b].push_back(chain);
+    }
+  }
+  const Places places(labelled, charts, borders);
+  for (std::size_t v = 0; v < wall.points.size(); ++v) result.places.push_back(places.of(wall.points[v], at[v]));
+
+  for (const auto& [v, chains] : chains_at) {
+    const bool turns = chains.size() == 2 && chains[0] != chains[1];
+    if (chains.size() == 1 || turns || chains.size() > 2) result.corners.push_back({v});
+  }
+  std::vector<char> has_quad(charts.charts.size(), 0);
+  for (const Index l : labelled.label) has_quad[l] = 1;
+  for (std::size_t c = 0; c < has_quad.size(); ++c) {
+    if (has_quad[c] != 0) continue;
+    result.findings.push_back({"region", fmt::format("the surface round {} ({:.3g} m2) has no quad of its own",
+                                                     place(charts.charts[c].place), charts.charts[c].area),
+                               charts.charts[c].place});
+  }
+  const std::vector<FeatureChain>& chains = target.features().chains;
+  for (Index c = 0; c < static_cast<Index>(chains.size()); ++c) {
+    if (chains[c].kind != ChainKind::sharp) continue;
+    ++result.chains;
+    if (followed.count(c) > 0) {
+      ++result.chains_followed;
+      continue;
+    }
+    result.findings.push_back({"chain", "no crease follows " + chain_text(target, c),
+                               chains[c].polyline[chains[c].polyline.size() / 2]});
+  }
+  return result;
+}
+
+}  // namespace flowcage
