@@ -218,7 +218,7 @@ AmbientBlocks make_ambient_blocks(const TargetSurface& target, const AmbientSett
     std::vector<Index> triangle_chart;
     for (const Index t : body.parent) triangle_chart.push_back(t == no_index ? no_index : charts.chart[t]);
     const double size = std::max({frame.size[0], frame.size[1], frame.size[2]});
-    const ChartBorders borders = chart_borders(target.tessellation(), charts, 0.1 * size, map);
+    const ChartBorders borders = chart_borders(target.tessellation(), charts, 0.02 * size, map);
     LabelSettings labelling;
     labelling.size = size;
     const std::vector<Index> label = label_quads(result.cage, 1, mapped, body.triangles, triangle_chart, charts,

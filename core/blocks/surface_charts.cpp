@@ -57,7 +57,9 @@ class ChainFinder {
     if (found == of_face_.end()) return no_index;
     for (const Index c : found->second) {
       const std::vector<Index>& faces = target_.features().chains[c].faces;
-      const bool beside_both = face == other || std::binary_search(faces.begin(), faces.end(), other);
+      // Inside of a face only a chain that has no other face beside it: a seam.
+      const bool beside_both =
+          face == other ? faces.size() == 1 : std::binary_search(faces.begin(), faces.end(), other);
       if (!beside_both || !boxes_[c].contains(a) || !boxes_[c].contains(b)) continue;
       const CurvePoint first = target_.closest_on_chain(c, a), last = target_.closest_on_chain(c, b);
       if (first.distance > tolerance_ || last.distance > tolerance_) continue;

@@ -90,6 +90,34 @@ class Places {
   std::vector<std::vector<Index>> of_chart_;
 };
 
+/// Vertices that were given one place (the map is squeezed there) move apart: halfway to the mean of their
+/// neighbours' places.
+void separate(const Cage& wall, std::vector<Vec3>& places) {
+  constexpr int most_rounds = 10;
+  std::vector<std::set<Index>> beside(places.size());
+  for (Index f = 0; f < wall.faces.size(); ++f) {
+    for (int n = 0; n < 4; ++n) {
+      beside[wall.faces[f][n]].insert(wall.faces[f][(n + 1) % 4]);
+      beside[wall.faces[f][(n + 1) % 4]].insert(wall.faces[f][n]);
+    }
+  }
+  for (int round = 0; round < most_rounds; ++round) {
+    std::map<std::array<double, 3>, Index> first;
+    std::vector<Index> moving;
+    for (Index v = 0; v < static_cast<Index>(places.size()); ++v) {
+      const auto [it, fresh] = first.try_emplace({places[v].x(), places[v].y(), places[v].z()}, v);
+      if (!fresh) moving.push_back(v);
+    }
+    if (moving.empty()) return;
+    const std::vector<Vec3> before = places;
+    for (const Index v : moving) {
+      Vec3 mean = Vec3::Zero();
+      for (const Index n : beside[v]) mean += before[n] / static_cast<double>(beside[v].size());
+      places[v] = (before[v] + mean) / 2;
+    }
+  }
+}
+
 std::string chain_text(const TargetSurface& target, Index c) {
   const FeatureChain& chain = target.features().chains[c];
   return fmt::format("sharp edges of {:.4g} m from {} over {} to {}", chain.length,
@@ -136,6 +164,7 @@ WallFeatures wall_features(const LabelledWall& labelled, const TargetSurface& ta
   }
   const Places places(labelled, charts, borders);
   for (std::size_t v = 0; v < wall.points.size(); ++v) result.places.push_back(places.of(wall.points[v], at[v]));
+  separate(wall, result.places);
 
   for (const auto& [v, chains] : chains_at) {
     const bool turns = chains.size() == 2 && chains[0] != chains[1];
