@@ -13,6 +13,7 @@
 #include <TopoDS.hxx>
 #include <TopoDS_Compound.hxx>
 #include <gp_Trsf.hxx>
+#include <numbers>
 
 #include "occ_bridge/internal/shape_rep.hpp"
 
@@ -66,6 +67,17 @@ Shape translated(const Shape& shape, const Vec3& by) {
   gp_Trsf move;
   move.SetTranslation(gp_Vec(by.x(), by.y(), by.z()));
   return wrap(BRepBuilderAPI_Transform(shape.rep().shape, move, true).Shape());
+}
+
+Shape rotated(const Shape& shape, const Vec3& axis, double degrees) {
+  gp_Trsf turn;
+  turn.SetRotation(gp_Ax1(gp_Pnt(0, 0, 0), gp_Dir(axis.x(), axis.y(), axis.z())),
+                   degrees * std::numbers::pi / 180);
+  return wrap(BRepBuilderAPI_Transform(shape.rep().shape, turn, true).Shape());
+}
+
+Shape make_bend(double bend_radius, double pipe_radius, double degrees) {
+  return wrap(BRepPrimAPI_MakeTorus(bend_radius, pipe_radius, degrees * std::numbers::pi / 180).Shape());
 }
 
 }  // namespace flowcage

@@ -32,6 +32,10 @@ Shape make_compound(const Shape& a, const Shape& b);
 Shape make_union(const Shape& a, const Shape& b);
 Shape make_difference(const Shape& a, const Shape& b);
 Shape translated(const Shape& shape, const Vec3& by);
+/// Turned about an axis through the origin, right-handed.
+Shape rotated(const Shape& shape, const Vec3& axis, double degrees);
+/// A pipe's bend: the part of a torus about the z axis from angle 0 (in the x direction) to `degrees`.
+Shape make_bend(double bend_radius, double pipe_radius, double degrees);
 /// Body of revolution about the x axis.
 Shape make_ellipsoid(double half_length, double radius);
 /// The half of a solid where the coordinate `axis` (0 x, 1 y, 2 z) is positive, open in the plane where it is

@@ -38,14 +38,36 @@ Body build(const std::string& name) {
   if (name == "wing_blunt") return wing(true);
   if (name == "two_bodies")
     return {make_compound(make_sphere(0.5), translated(make_box({0.8, 0.8, 0.8}), {2, 0.3, 0})), false, 0, 2};
+  if (name == "wing_body_fused" || name == "wing_body_overlapping") {
+    HalfWing half;
+    half.airfoil = naca_symmetric(0.12, 0.005);
+    half.closed_root = true;
+    const Shape wing = translated(make_half_wing(half), {-0.5, 0.1, 0});
+    if (name == "wing_body_overlapping") return {make_compound(make_ellipsoid(2.5, 0.35), wing)};
+    return {make_half(make_union(make_ellipsoid(2.5, 0.35), wing), 1)};
+  }
+  if (name == "elbow") {
+    const Shape bend = make_bend(1, 0.3, 90);
+    const Shape in = translated(rotated(make_cylinder(0.3, 1), {1, 0, 0}, 90), {1, 0, 0});
+    const Shape out = translated(rotated(make_cylinder(0.3, 1), {0, 1, 0}, -90), {0, 1, 0});
+    return {make_union(make_union(in, bend), out), true};
+  }
+  if (name == "tee") {
+    const Shape run = translated(rotated(make_cylinder(0.3, 3), {0, 1, 0}, 90), {-1.5, 0, 0});
+    return {make_union(run, make_cylinder(0.25, 1.2)), true};
+  }
+  if (name == "channel")
+    return {make_difference(make_box({4, 1.5, 1.5}), translated(make_box({0.6, 0.5, 0.5}), {-0.5, 0, 0})),
+            true, 0, 2};
   throw std::logic_error("no such body: " + name);
 }
 
 }  // namespace
 
 std::vector<std::string> ambient_body_names() {
-  return {"sphere",  "torus",   "box",        "rounded_box", "cylinder",
-          "bracket", "capsule", "wing_sharp", "wing_blunt",  "two_bodies"};
+  return {"sphere",  "torus",      "box",        "rounded_box", "cylinder",        "bracket",
+          "capsule", "wing_sharp", "wing_blunt", "two_bodies",  "wing_body_fused", "wing_body_overlapping",
+          "elbow",   "tee",        "channel"};
 }
 
 AmbientTestBody make_ambient_body(const std::string& name) {
