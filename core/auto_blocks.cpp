@@ -6,6 +6,9 @@
 namespace flowcage {
 namespace {
 
+// What untangling may cost, about a second a million: where it needs more it rarely ends well.
+constexpr double most_evaluations = 3e7;
+
 /// Displacements of the fixed corners (`moved`) spread harmonically over the edges of the complex.
 void spread(const HexComplex& complex, const std::vector<char>& fixed, std::vector<Vec3>& moved) {
   constexpr int sweeps = 200;
@@ -77,6 +80,7 @@ PlacedBlocks place_blocks(AmbientBlocks blocks, const TargetSurface& target, Pro
   }
   const BlockMesh mesh(std::make_shared<const HexComplex>(complex));
   UntangleSettings untangling;
+  untangling.max_cell_evaluations = most_evaluations;
   untangling.freedom = std::move(freedom);
   UntangledPoints untangled = untangle(mesh, untangling, progress);
   complex.points = std::move(untangled.points);

@@ -21,7 +21,8 @@ std::vector<double> column_positions(const std::vector<double>& lines, int sampl
   constexpr double off = 0.0137;
   std::vector<double> at;
   for (std::size_t n = 0; n + 1 < lines.size(); ++n) {
-    for (int s = 0; s < samples; ++s) at.push_back(lines[n] + (lines[n + 1] - lines[n]) * (s + 0.5 + off) / samples);
+    for (int s = 0; s < samples; ++s)
+      at.push_back(lines[n] + (lines[n + 1] - lines[n]) * (s + 0.5 + off) / samples);
   }
   return at;
 }
@@ -41,7 +42,8 @@ bool split_long_edges(AmbientBody& body, double longest) {
   for (const auto& t : body.triangles) {
     for (int i = 0; i < 3; ++i) {
       const Index a = t[i], b = t[(i + 1) % 3];
-      if ((body.points[a] - body.points[b]).norm() > longest) edges.push_back({std::min(a, b), std::max(a, b)});
+      if ((body.points[a] - body.points[b]).norm() > longest)
+        edges.push_back({std::min(a, b), std::max(a, b)});
     }
   }
   if (edges.empty()) return false;
@@ -52,7 +54,8 @@ bool split_long_edges(AmbientBody& body, double longest) {
   const auto middle = [&](Index a, Index b) {
     const std::array<Index, 2> key{std::min(a, b), std::max(a, b)};
     const auto found = std::lower_bound(edges.begin(), edges.end(), key);
-    return found != edges.end() && *found == key ? first + static_cast<Index>(found - edges.begin()) : no_index;
+    return found != edges.end() && *found == key ? first + static_cast<Index>(found - edges.begin())
+                                                 : no_index;
   };
   std::vector<std::array<Index, 3>> triangles;
   std::vector<Index> parent;
@@ -140,8 +143,9 @@ std::array<std::vector<double>, 3> body_fractions(const VoxelGrid& grid, std::sp
       for (Index j = 0; j < static_cast<Index>(vs.size()); ++j) {
         for (Index i = 0; i < static_cast<Index>(us.size()); ++i) {
           std::vector<Crossing>& column = columns[i + static_cast<Offset>(us.size()) * j];
-          std::sort(column.begin(), column.end(),
-                    [](const Crossing& p, const Crossing& q) { return std::tie(p.at, p.sign) < std::tie(q.at, q.sign); });
+          std::sort(column.begin(), column.end(), [](const Crossing& p, const Crossing& q) {
+            return std::tie(p.at, p.sign) < std::tie(q.at, q.sign);
+          });
           int winding = 0;
           for (const Crossing& c : column) winding += c.sign;
           if (winding != 0) continue;

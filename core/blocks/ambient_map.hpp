@@ -26,10 +26,10 @@ struct AmbientMap {
 };
 
 struct MapSettings {
-  int nodes = 40;             ///< along the longest axis
-  double chart_weight = 30;   ///< of a chart's flatness against the map's smoothness
+  int nodes = 40;              ///< along the longest axis
+  double chart_weight = 30;    ///< of a chart's flatness against the map's smoothness
   double surface_weight = 10;  ///< stiffness of the surface along axes that a triangle is not labelled with
-  double body_weight = 10;    ///< stiffness of the body's inside
+  double body_weight = 10;     ///< stiffness of the body's inside
 };
 
 /// Spacing of the map's grid.

@@ -9,9 +9,8 @@ struct AmbientSettings {
   double cage_size = 0;       ///< edge length of cage quads; 0: from the body's size
   double farfield_size = 20;  ///< distance of the box from the body's centre, in body lengths
   bool map = true;            ///< make the CAD nearly axis-aligned first
-  bool labels = true;         ///< creases by labels of the CAD's charts; else by paths (find_creases)
   bool wall_layer = true;     ///< an O-grid of one layer round the body (pillow)
-  double growth = 2.2;        ///< of the blocks from the body toward the far field
+  double growth = 3;          ///< of the blocks from the body toward the far field
   Index max_blocks = 60000;
 };
 

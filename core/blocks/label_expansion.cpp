@@ -9,7 +9,8 @@ namespace {
 /// Minimum cut by Dinic's algorithm (1970): shortest augmenting paths, level by level.
 class MinimumCut {
  public:
-  explicit MinimumCut(Index nodes) : out_(static_cast<std::size_t>(nodes) + 2), source_(nodes), sink_(nodes + 1) {}
+  explicit MinimumCut(Index nodes)
+      : out_(static_cast<std::size_t>(nodes) + 2), source_(nodes), sink_(nodes + 1) {}
   void add_edge(Index from, Index to, double capacity) {
     out_[from].push_back(static_cast<Index>(edges_.size()));
     edges_.push_back({to, capacity});

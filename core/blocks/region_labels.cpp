@@ -39,13 +39,15 @@ std::vector<Index> label_quads(const Cage& wall, double sign, std::span<const Ve
     for (int n = 0; n < 4; ++n) {
       const Vec3 p = (c[n] + centre) / 2;
       std::map<Index, double> nearest;
-      visit_near(tree, p, [&] { return reach * settings.size; }, [&](Index t) {
-        if (triangle_chart[t] == no_index) return;
-        const auto& v = triangles[t];
-        const double d = (closest_on_triangle(p, points[v[0]], points[v[1]], points[v[2]]) - p).norm();
-        const auto [it, fresh] = nearest.try_emplace(triangle_chart[t], d);
-        if (!fresh) it->second = std::min(it->second, d);
-      });
+      visit_near(
+          tree, p, [&] { return reach * settings.size; },
+          [&](Index t) {
+            if (triangle_chart[t] == no_index) return;
+            const auto& v = triangles[t];
+            const double d = (closest_on_triangle(p, points[v[0]], points[v[1]], points[v[2]]) - p).norm();
+            const auto [it, fresh] = nearest.try_emplace(triangle_chart[t], d);
+            if (!fresh) it->second = std::min(it->second, d);
+          });
       for (const auto& [chart, d] : nearest) {
         const auto [it, fresh] = cost.try_emplace(chart, reach);
         it->second += (std::min(d / settings.size, reach) - reach) / 4;

@@ -9,11 +9,11 @@
 namespace flowcage {
 
 struct LabelSettings {
-  double size = 1;         ///< length that distances are relative to
-  double normal = 1;       ///< cost of a quad that faces across its chart, against a distance of one size
-  double border = 0.1;     ///< of a border per edge on the charts' common curve,
-  double off_border = 0.5; ///< and of one farther from it, per size
-  double strange = 2;      ///< of a border between charts that do not meet
+  double size = 1;          ///< length that distances are relative to
+  double normal = 1;        ///< cost of a quad that faces across its chart, against a distance of one size
+  double border = 0.1;      ///< of a border per edge on the charts' common curve,
+  double off_border = 0.5;  ///< and of one farther from it, per size
+  double strange = 2;       ///< of a border between charts that do not meet
 };
 
 /// The chart that each quad of a voxel surface belongs to. Everything is in the mapped box, where quads and

@@ -8,7 +8,7 @@ namespace flowcage {
 namespace {
 
 constexpr double on_chain = 1e-4;  // diagonals: how near to a chain an edge's ends must be
-constexpr double longest = 1.3;  // edge lengths: arc between an edge's ends
+constexpr double longest = 1.3;    // edge lengths: arc between an edge's ends
 constexpr double chord = 0.15;     // edge lengths: how far its middle may be (a chord of the curve)
 
 std::vector<std::array<Index, 3>> triangles_across(const Tessellation& cad) {

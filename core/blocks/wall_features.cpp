@@ -45,8 +45,8 @@ class Places {
       double least = 1e300;
       std::size_t most = 2;
       for (const ChartBorders::Corner& corner : borders_.corners) {
-        const auto common = static_cast<std::size_t>(
-            std::count_if(corner.charts.begin(), corner.charts.end(), [&](Index c) { return charts.count(c) > 0; }));
+        const auto common = static_cast<std::size_t>(std::count_if(
+            corner.charts.begin(), corner.charts.end(), [&](Index c) { return charts.count(c) > 0; }));
         const double squared = (corner.mapped - p).squaredNorm();
         if (common < most + (most == 2 ? 1 : 0) || (common == most && squared >= least)) continue;
         most = common;
@@ -62,7 +62,8 @@ class Places {
           const auto found = a < b ? borders_.between.find({a, b}) : borders_.between.end();
           if (found == borders_.between.end()) continue;
           const BorderPoint* near = nearest_border(found->second, p);
-          if (best == nullptr || (near->mapped - p).squaredNorm() < (best->mapped - p).squaredNorm()) best = near;
+          if (best == nullptr || (near->mapped - p).squaredNorm() < (best->mapped - p).squaredNorm())
+            best = near;
         }
       }
       if (best != nullptr) return best->position;
@@ -70,21 +71,39 @@ class Places {
     Vec3 place = p;
     double least = 1e300;
     for (const Index c : charts) {
-      for (const Index t : of_chart_[c]) {
-        const auto& v = labelled_.body.triangles[t];
-        const auto& m = labelled_.mapped;
-        const Vec3 w = nearest_barycentric(p, m[v[0]], m[v[1]], m[v[2]]);
-        const double squared = (w[0] * m[v[0]] + w[1] * m[v[1]] + w[2] * m[v[2]] - p).squaredNorm();
-        if (squared >= least) continue;
-        least = squared;
-        const auto& x = labelled_.body.points;
-        place = w[0] * x[v[0]] + w[1] * x[v[1]] + w[2] * x[v[2]];
-      }
+      const auto& [t, w, squared] = nearest(p, c);
+      if (squared >= least) continue;
+      least = squared;
+      const auto& v = labelled_.body.triangles[t];
+      const auto& x = labelled_.body.points;
+      place = w[0] * x[v[0]] + w[1] * x[v[1]] + w[2] * x[v[2]];
     }
     return place;
   }
 
+  /// The triangle of the target's tessellation nearest to p in a chart.
+  Index triangle(const Vec3& p, Index chart) const {
+    return labelled_.body.parent[nearest(p, chart).triangle];
+  }
+
  private:
+  struct Nearest {
+    Index triangle = no_index;  ///< of the body
+    Vec3 weights = Vec3::Zero();
+    double squared = 1e300;
+  };
+  Nearest nearest(const Vec3& p, Index chart) const {
+    Nearest best;
+    const auto& m = labelled_.mapped;
+    for (const Index t : of_chart_[chart]) {
+      const auto& v = labelled_.body.triangles[t];
+      const Vec3 w = nearest_barycentric(p, m[v[0]], m[v[1]], m[v[2]]);
+      const double squared = (w[0] * m[v[0]] + w[1] * m[v[1]] + w[2] * m[v[2]] - p).squaredNorm();
+      if (squared < best.squared) best = {t, w, squared};
+    }
+    return best;
+  }
+
   const LabelledWall& labelled_;
   const ChartBorders& borders_;
   std::vector<std::vector<Index>> of_chart_;
@@ -148,8 +167,10 @@ WallFeatures wall_features(const LabelledWall& labelled, const TargetSurface& ta
         const Vec3& p = charts.charts[other].place;
         const Vec3& q = charts.charts[labelled.label[f]].place;
         result.findings.push_back(
-            {"border", fmt::format("quads of the surface round {} and of that round {} are neighbours, but these do not meet",
-                                   place(p), place(q)),
+            {"border",
+             fmt::format(
+                 "quads of the surface round {} and of that round {} are neighbours, but these do not meet",
+                 place(p), place(q)),
              p});
         continue;
       }
@@ -163,20 +184,39 @@ WallFeatures wall_features(const LabelledWall& labelled, const TargetSurface& ta
     }
   }
   const Places places(labelled, charts, borders);
-  for (std::size_t v = 0; v < wall.points.size(); ++v) result.places.push_back(places.of(wall.points[v], at[v]));
+  for (Index f = 0; f < wall.faces.size(); ++f) {
+    Vec3 centre = Vec3::Zero();
+    for (const Index v : wall.faces[f]) centre += wall.points[v] / 4;
+    result.face_region.push_back(
+        target.tessellation().triangle_face[places.triangle(centre, labelled.label[f])]);
+  }
+  for (std::size_t v = 0; v < wall.points.size(); ++v)
+    result.places.push_back(places.of(wall.points[v], at[v]));
   separate(wall, result.places);
 
   for (const auto& [v, chains] : chains_at) {
     const bool turns = chains.size() == 2 && chains[0] != chains[1];
     if (chains.size() == 1 || turns || chains.size() > 2) result.corners.push_back({v});
   }
-  std::vector<char> has_quad(charts.charts.size(), 0);
-  for (const Index l : labelled.label) has_quad[l] = 1;
-  for (std::size_t c = 0; c < has_quad.size(); ++c) {
-    if (has_quad[c] != 0) continue;
-    result.findings.push_back({"region", fmt::format("the surface round {} ({:.3g} m2) has no quad of its own",
-                                                     place(charts.charts[c].place), charts.charts[c].area),
-                               charts.charts[c].place});
+  // A chart may go to its smooth neighbours; a whole smooth part of the surface is a lost feature.
+  std::vector<char> has_quad(static_cast<std::size_t>(charts.group_count), 0);
+  for (const Index l : labelled.label) has_quad[charts.charts[l].group] = 1;
+  std::vector<Index> face_of_group(has_quad.size(), no_index);
+  for (std::size_t t = 0; t < charts.chart.size(); ++t) {
+    face_of_group[charts.charts[charts.chart[t]].group] = target.tessellation().triangle_face[t];
+  }
+  for (const SurfaceCharts::Chart& chart : charts.charts) {
+    if (has_quad[chart.group] != 0) continue;
+    has_quad[chart.group] = 1;
+    result.lost_groups.push_back(chart.group);
+    const Index face = face_of_group[chart.group];
+    const std::string name = target.face_name(face);
+    result.findings.push_back(
+        {"region",
+         fmt::format(
+             "the CAD's face {}{} round {} ({:.3g} m2) has no quad of its own: it is smaller than a cell",
+             face + 1, name.empty() ? "" : " (" + name + ")", place(chart.place), chart.area),
+         chart.place});
   }
   const std::vector<FeatureChain>& chains = target.features().chains;
   for (Index c = 0; c < static_cast<Index>(chains.size()); ++c) {

@@ -67,6 +67,9 @@ void print_row(const std::string& name, const TargetSurface& cad, const Job& job
                fit.coverage_deviation, fit.levels.back().report.folds, placed.untangle.after.inverted,
                placed.untangle.after.min_scaled_jacobian, placed.untangle.after.mean_scaled_jacobian, made,
                cpu_seconds() - start - made);
+    const AmbientReport& report = placed.blocks.report;
+    fmt::print(" {}", report.steps);
+    for (const AmbientFinding& f : report.findings) fmt::print("; {}", f.check);
     if (fit.max_deviation > 1e-3) fmt::print(" worst at {}", place(fit.worst_place));
     if (fit.coverage_deviation > 1e-3) fmt::print(" not covered at {}", place(fit.worst_coverage_place));
     fmt::print("\n");
@@ -94,7 +97,6 @@ int main(int argc, char** argv) {
   app.add_option("--cage-size", job.ambient.cage_size, "edge length of cage quads, m");
   app.add_option("--level", job.level, "of the fit");
   app.add_flag("!--no-map", job.ambient.map, "without the map");
-  app.add_flag("!--no-labels", job.ambient.labels, "creases by paths instead of labels");
   app.add_flag("!--no-layer", job.ambient.wall_layer, "without the O-grid of one layer");
   app.add_option("--growth", job.ambient.growth, "toward the far field");
   bool internal = false;
