@@ -38,7 +38,9 @@ const std::vector<CommandSpec>& command_table() {
       {Command::quality, "quality", "the quality table of a hex mesh and its worst cells", "MESH",
        "an OpenFOAM case folder or X.foam, or X.vtu", "", "", "flowcage quality case --json quality.json", 1,
        false},
-      {Command::cage, "cage", "proposes a cage", "CAD", "", "OUT", "", "", true, true, true},
+      {Command::cage, "cage", "proposes a cage and blocks for a CAD, to edit and give back to mesh", "CAD",
+       "STEP or IGES files", "OUT", "X.obj (the cage) or X.vtu (the blocks); may be repeated",
+       "flowcage cage part.step -o cage.obj -o blocks.vtu", true},
       {Command::convert, "convert", "one mesh format to another", "MESH", "", "OUT", "", "", false, true,
        true}};
   return table;

@@ -34,6 +34,7 @@ int run(const Request& request, const Interruption& interruption) {
     case Command::mesh:
       return run_mesh(options, progress);
     case Command::cage:
+      return run_cage(options, progress);
     case Command::convert:
       break;
   }

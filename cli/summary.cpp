@@ -31,6 +31,19 @@ std::string patches_summary(const PatchSurface& patches, double diagonal) {
       patches.max_angle_degrees);
 }
 
+std::string blocks_summary(const PlacedBlocks& placed) {
+  const AmbientReport& report = placed.blocks.report;
+  const HexValidity& after = placed.untangle.after;
+  std::string out = fmt::format(
+      "\n{} blocks (ambient grid: {}); cage of {} quads, genus {}, {} of {} chains of sharp edges followed\n"
+      "scaled Jacobian {:.3f} at least, {:.3f} on average; {} inverted\n",
+      placed.blocks.complex.hexes.size(), report.steps, placed.blocks.cage.faces.size(), report.genus,
+      report.chains_matched, report.chains, after.min_scaled_jacobian, after.mean_scaled_jacobian,
+      after.inverted);
+  for (const AmbientFinding& f : report.findings) out += f.check + ": " + f.what + "\n";
+  return out;
+}
+
 std::string volume_summary(const VolumeResult& result, double diagonal, const Options& options) {
   const QualityReport& q = result.quality;
   std::string text = surface_summary(result.fit, diagonal);

@@ -22,7 +22,8 @@ constexpr unsigned surface = static_cast<unsigned>(Command::surface);
 constexpr unsigned subdivide = static_cast<unsigned>(Command::subdivide);
 constexpr unsigned inspect = static_cast<unsigned>(Command::inspect);
 constexpr unsigned quality = static_cast<unsigned>(Command::quality);
-constexpr unsigned every_command = mesh | surface | subdivide | inspect | quality;
+constexpr unsigned cage = static_cast<unsigned>(Command::cage);
+constexpr unsigned every_command = mesh | surface | cage | subdivide | inspect | quality;
 
 /// Limits of a number; `open`: the lower one is not allowed itself.
 struct Range {
@@ -217,14 +218,17 @@ std::vector<OptionSpec> make_table() {
          choice(later(row("farfield", "box|sphere|bullet", mesh, "outer boundary where there is no --outer"),
                       {"bullet"}),
                 &Options::farfield),
-         number(in_unit(row("farfield-size", "X", mesh, "distance of the far field"), "body lengths"),
+         number(in_unit(row("farfield-size", "X", mesh | cage, "distance of the far field"), "body lengths"),
                 &Options::farfield_size, {1, 1e6, true}),
          choice(later(row("blocks", "auto|shell|swept|ambient", mesh,
                           "where the blocks come from; shell: between inner and outer surface"),
                       {"swept", "ambient"}),
                 &Options::blocks),
-         choice(later(row("flow", "external|internal", mesh, "the fluid is outside or inside of the CAD"),
-                      {"internal"}),
+         number(in_unit(without(row("cage-size", "X", cage, "edge length of the cage's quads"),
+                                "from the CAD's size"),
+                        "output units"),
+                &Options::cage_size, {0, infinite, true}),
+         choice(row("flow", "external|internal", mesh | cage, "the fluid is outside or inside of the CAD"),
                 &Options::flow),
          plane(in_unit(without(row("symmetry", "x|y|z[=VALUE]", mesh,
                                    "half model cut by that plane; the cage is open there"),
@@ -241,9 +245,9 @@ std::vector<OptionSpec> make_table() {
                 &Options::tolerance, {0, 1, true}),
          number(without(row("cells", "N", mesh, "stop refining at the level nearest to N cells"), "none"),
                 &Options::cells, {1, 2e9}),
-         number(in_unit(
-                    row("crease-angle", "DEG", fitting | inspect, "CAD edges sharper than this are features"),
-                    "degrees"),
+         number(in_unit(row("crease-angle", "DEG", fitting | cage | inspect,
+                            "CAD edges sharper than this are features"),
+                        "degrees"),
                 &Options::crease_angle, {0, 180, true}),
          flag(negatable(row("unite", "", fitting | inspect,
                             "CAD bodies that overlap or touch become one: their outer skin")),
@@ -280,23 +284,24 @@ std::vector<OptionSpec> make_table() {
               &Options::length, {0, infinite, true})});
   group(
       "Faces of the CAD",
-      {texts(without(row("include", "PATTERN", fitting | inspect,
+      {texts(without(row("include", "PATTERN", fitting | cage | inspect,
                          "take only the faces that match: a wildcard for name, layer or colour, or face:1-4 "
                          "(docs/cad.md); may be repeated"),
                      "all"),
              &Options::include),
-       texts(without(row("exclude", "PATTERN", fitting | inspect,
+       texts(without(row("exclude", "PATTERN", fitting | cage | inspect,
                          "leave out the faces that match; may be repeated"),
                      "none"),
              &Options::exclude)});
-  group("Units", {choice(row("unit", "m|mm|in|ft", fitting, "unit of the output"), &Options::unit),
-                  choice(without(row("cad-unit", "m|mm|in|ft", fitting | inspect,
-                                     "overrules the unit that the CAD file states"),
-                                 "the file's"),
-                         &Options::cad_unit),
-                  choice(without(row("cage-unit", "m|mm|in|ft", fitting, "unit of the cage and outer files"),
-                                 "the CAD's"),
-                         &Options::cage_unit)});
+  group("Units",
+        {choice(row("unit", "m|mm|in|ft", fitting | cage, "unit of the output"), &Options::unit),
+         choice(without(row("cad-unit", "m|mm|in|ft", fitting | cage | inspect,
+                            "overrules the unit that the CAD file states"),
+                        "the file's"),
+                &Options::cad_unit),
+         choice(without(row("cage-unit", "m|mm|in|ft", fitting | cage, "unit of the cage and outer files"),
+                        "the CAD's"),
+                &Options::cage_unit)});
   group("General",
         {text(later(without(
                   row("config", "FILE.toml", fitting, "options by their long names; the command line wins"),
@@ -308,7 +313,8 @@ std::vector<OptionSpec> make_table() {
          number(row("seed", "N", fitting, "start of every random choice (this version makes none)"),
                 &Options::seed, {0, infinite}),
          flag(row("quiet", "", every_command, "errors only: no progress, no warnings"), &Options::quiet),
-         text(without(row("json", "FILE", fitting | inspect | quality, "the numbers of the result as JSON"),
+         text(without(row("json", "FILE", fitting | cage | inspect | quality,
+                          "the numbers of the result as JSON"),
                       "none"),
               &Options::json),
          text(later_for(without(row("report", "FILE.html", fitting | inspect,
@@ -316,16 +322,16 @@ std::vector<OptionSpec> make_table() {
                                 "none"),
                         fitting),
               &Options::report),
-         flag(row("force", "", fitting, "write a mesh that misses its gates (the exit code stays 4)"),
+         flag(row("force", "", fitting | cage, "write a mesh that misses its gates (the exit code stays 4)"),
               &Options::force)});
   return table;
 }
 
 std::string command_names(unsigned commands) {
-  static constexpr std::array names{std::pair{Command::mesh, "mesh"}, std::pair{Command::surface, "surface"},
-                                    std::pair{Command::subdivide, "subdivide"},
-                                    std::pair{Command::inspect, "inspect"},
-                                    std::pair{Command::quality, "quality"}};
+  static constexpr std::array names{
+      std::pair{Command::mesh, "mesh"},       std::pair{Command::surface, "surface"},
+      std::pair{Command::cage, "cage"},       std::pair{Command::subdivide, "subdivide"},
+      std::pair{Command::inspect, "inspect"}, std::pair{Command::quality, "quality"}};
   std::string out;
   for (const auto& [command, name] : names) {
     if ((commands & static_cast<unsigned>(command)) != 0)

@@ -26,6 +26,7 @@ struct Options {
   std::string farfield = "box";
   double farfield_size = 20;
   std::string blocks = "auto";
+  std::optional<double> cage_size;
   std::string flow = "external";
   std::optional<PlaneOption> symmetry;
 

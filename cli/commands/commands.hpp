@@ -11,6 +11,7 @@ int run_subdivide(const Options& options, Progress& progress);
 int run_inspect(const Options& options, Progress& progress);
 int run_quality(const Options& options, Progress& progress);
 int run_surface(const Options& options, Progress& progress);
+int run_cage(const Options& options, Progress& progress);
 int run_mesh(const Options& options, Progress& progress);
 
 /// The quality table as text for stdout.

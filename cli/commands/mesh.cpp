@@ -199,6 +199,10 @@ void warn_of_first_height(const Options& options, const LayerReport& layers, Pro
 int run_mesh(const Options& options, Progress& progress) {
   const Clock::time_point start = Clock::now();
   for (const std::string& name : options.outputs) format_of(name);
+  if (options.flow == "internal") {
+    throw Error(ErrorKind::usage, "--flow internal is not in this version of mesh",
+                "flowcage cage --flow internal proposes blocks");
+  }
   const FitInputs inputs = read_fit_inputs(options, progress);
   check_symmetry(options, inputs.cage);
   const VolumeSettings settings = volume_settings(options, inputs);

@@ -48,6 +48,10 @@ void fill_body(VoxelGrid& grid, const std::vector<double>& fraction, const Ambie
 
 Anchors line_anchors(const AmbientSurface& s) {
   Anchors anchors;
+  for (std::size_t c = 0; c < s.charts.charts.size(); ++c) {
+    const SurfaceCharts::Chart& chart = s.charts.charts[c];
+    anchors[chart.axis].push_back({s.map.chart_value[c], chart.area, chart.sign});
+  }
   for (std::size_t l = 0; l < s.knives.size(); ++l) {
     for (int axis = 0; axis < 3; ++axis) {
       // Not across the knife: the two sides have lines there.
@@ -55,6 +59,12 @@ Anchors line_anchors(const AmbientSurface& s) {
         anchors[axis].push_back({s.map.line_value[l][axis], s.knives[l].length * s.knives[l].length, 0});
       }
     }
+  }
+  Box3 box;
+  for (const Vec3& p : s.mapped) box.extend(p);
+  for (int axis = 0; axis < 3; ++axis) {  // nothing faces along it
+    if (!anchors[axis].empty()) continue;
+    anchors[axis] = {{box.min()[axis], 1, -1}, {box.max()[axis], 1, 1}};
   }
   return anchors;
 }

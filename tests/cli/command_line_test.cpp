@@ -127,7 +127,6 @@ TEST_CASE("options and commands of later versions are refused, not ignored") {
     check_error(run, 2, "not in this version", "");
     CHECK_THAT(run.err, contains_text(option[0]));
   }
-  check_error(run_flowcage({"cage", "a.step", "-o", "x.obj"}), 2, "cage is not in this version", "");
   check_error(run_flowcage({"convert", "a.vtu", "-o", "x.cgns"}), 2, "convert is not in this version", "");
 }
 
