@@ -53,6 +53,46 @@ std::map<Quad, Index> boundary_by_corners(const BlockDraft& draft) {
   return result;
 }
 
+using EdgeQuads = std::map<std::array<Index, 2>, Index>;  // directed edge of a boundary quad of the set: it
+
+/// Where a point's copy goes: the mean of the set's hexes there; on boundary that stays, of its quads; where
+/// two of its patches meet, along their common edges: so planes and their edges keep their points.
+std::vector<Vec3> inner_places(const BlockDraft& draft, const std::vector<char>& in_set,
+                               const std::vector<char>& keeps, const EdgeQuads& beside) {
+  struct Mean {
+    Vec3 sum = Vec3::Zero();
+    int count = 0;
+    void add(const Vec3& p) {
+      sum += p;
+      ++count;
+    }
+  };
+  std::vector<Mean> hexes(draft.points.size()), quads(hexes.size()), edges(hexes.size());
+  for (std::size_t h = 0; h < draft.hexes.size(); ++h) {
+    if (in_set[h] == 0) continue;
+    Vec3 centre = Vec3::Zero();
+    for (const Index v : draft.hexes[h]) centre += draft.points[v] / 8;
+    for (const Index v : draft.hexes[h]) hexes[v].add(centre);
+  }
+  for (std::size_t b = 0; b < draft.boundary.size(); ++b) {
+    if (keeps[b] == 0) continue;
+    Vec3 centre = Vec3::Zero();
+    for (const Index v : draft.boundary[b].corners) centre += draft.points[v] / 4;
+    for (const Index v : draft.boundary[b].corners) quads[v].add(centre);
+  }
+  for (const auto& [edge, quad] : beside) {
+    const auto other = beside.find({edge[1], edge[0]});
+    if (other == beside.end() || draft.boundary[quad].patch == draft.boundary[other->second].patch) continue;
+    edges[edge[0]].add((draft.points[edge[0]] + draft.points[edge[1]]) / 2);
+  }
+  std::vector<Vec3> result(hexes.size(), Vec3::Zero());
+  for (std::size_t v = 0; v < result.size(); ++v) {
+    const Mean& mean = edges[v].count > 0 ? edges[v] : quads[v].count > 0 ? quads[v] : hexes[v];
+    if (mean.count > 0) result[v] = mean.sum / mean.count;
+  }
+  return result;
+}
+
 }  // namespace
 
 Pillow pillow(const BlockDraft& draft, const std::vector<char>& in_set,
@@ -64,7 +104,7 @@ Pillow pillow(const BlockDraft& draft, const std::vector<char>& in_set,
 
   // The surface, outward of the set; and the set's boundary quads that stay, by their directed edges.
   std::vector<Quad> surface;
-  std::map<std::array<Index, 2>, Index> beside;  // directed edge of a boundary quad of the set: that quad
+  EdgeQuads beside;
   std::vector<char> keeps(draft.boundary.size(), 0);
   const std::vector<Use> uses = face_uses(draft);
   for (std::size_t n = 0; n < uses.size(); ++n) {
@@ -96,23 +136,13 @@ Pillow pillow(const BlockDraft& draft, const std::vector<char>& in_set,
     }
   }
   const auto inner = [&](Index v) { return split[v] == no_index ? v : split[v]; };
-  std::vector<Vec3> sum(result.split_from.size(), Vec3::Zero());
-  std::vector<double> count(result.split_from.size(), 0);
-  const auto first_new = static_cast<Index>(draft.points.size());
   for (std::size_t h = 0; h < draft.hexes.size(); ++h) {
     if (in_set[h] == 0) continue;
-    Vec3 centre = Vec3::Zero();
-    for (const Index v : draft.hexes[h]) centre += draft.points[v] / 8;
-    for (Index& v : out.hexes[h]) {
-      v = inner(v);
-      if (v < first_new) continue;
-      sum[v - first_new] += centre;
-      count[v - first_new] += 1;
-    }
+    for (Index& v : out.hexes[h]) v = inner(v);
   }
-  for (std::size_t n = 0; n < result.split_from.size(); ++n) {
-    const Vec3& old = draft.points[result.split_from[n]];
-    out.points.push_back(old + 2 * depth * (sum[n] / count[n] - old));
+  const std::vector<Vec3> toward = inner_places(draft, in_set, keeps, beside);
+  for (const Index v : result.split_from) {
+    out.points.push_back(draft.points[v] + 2 * depth * (toward[v] - draft.points[v]));
   }
   for (std::size_t b = 0; b < draft.boundary.size(); ++b) {
     if (keeps[b] == 0) continue;
