@@ -30,25 +30,34 @@ void spread(const HexComplex& complex, const std::vector<char>& fixed, std::vect
   }
 }
 
-/// Which corners may move how: walls and far fields stay, symmetry planes are slid in.
-std::vector<PointFreedom> freedoms(const HexComplex& complex) {
-  std::vector<PointFreedom> freedom(complex.points.size());
+/// Per corner, the axes (bits) across which the symmetry planes lie that it is in.
+std::vector<std::uint8_t> plane_axes(const HexComplex& complex) {
+  std::vector<std::uint8_t> axes(complex.points.size(), 0);
   for (std::size_t q = 0; q < complex.quads.size(); ++q) {
     if (complex.quad_patch[q] == no_index) continue;
-    const bool plane = complex.patches[complex.quad_patch[q]].type == PatchType::symmetry;
-    for (const Index v : complex.quads[q]) {
-      if (!plane) {
-        freedom[v] = fixed_point;
-        continue;
-      }
-      for (int axis = 0; axis < 3; ++axis) {
-        const auto& corners = complex.quads[q];
-        const double value = complex.points[corners[0]][axis];
-        const bool flat = std::all_of(corners.begin(), corners.end(),
-                                      [&](Index c) { return complex.points[c][axis] == value; });
-        if (flat) freedom[v].frozen_axes |= in_plane(axis).frozen_axes;
+    if (complex.patches[complex.quad_patch[q]].type != PatchType::symmetry) continue;
+    const auto& corners = complex.quads[q];
+    for (int axis = 0; axis < 3; ++axis) {
+      const double value = complex.points[corners[0]][axis];
+      const bool flat = std::all_of(corners.begin(), corners.end(),
+                                    [&](Index c) { return complex.points[c][axis] == value; });
+      if (!flat) continue;
+      for (const Index v : corners) {
+        axes[v] = static_cast<std::uint8_t>(axes[v] | in_plane(axis).frozen_axes);
       }
     }
+  }
+  return axes;
+}
+
+/// Which corners may move how: walls and far fields stay, symmetry planes are slid in.
+std::vector<PointFreedom> freedoms(const HexComplex& complex, const std::vector<std::uint8_t>& axes) {
+  std::vector<PointFreedom> freedom(complex.points.size());
+  for (std::size_t v = 0; v < freedom.size(); ++v) freedom[v].frozen_axes = axes[v];
+  for (std::size_t q = 0; q < complex.quads.size(); ++q) {
+    if (complex.quad_patch[q] == no_index) continue;
+    if (complex.patches[complex.quad_patch[q]].type == PatchType::symmetry) continue;
+    for (const Index v : complex.quads[q]) freedom[v] = fixed_point;
   }
   return freedom;
 }
@@ -62,14 +71,20 @@ PlacedBlocks place_blocks(AmbientBlocks blocks, const TargetSurface& target, Pro
   const SurfaceFit fit = fit_surface(blocks.cage, target, settings, progress);
   result.unmatched_chains = fit.unmatched_chains;
   HexComplex& complex = blocks.complex;
-  std::vector<PointFreedom> freedom = freedoms(complex);
+  const std::vector<std::uint8_t> planes = plane_axes(complex);
+  std::vector<PointFreedom> freedom = freedoms(complex, planes);
   std::vector<Vec3> moved(complex.points.size(), Vec3::Zero());
   std::vector<char> fixed(moved.size(), 0);
   for (std::size_t v = 0; v < moved.size(); ++v) fixed[v] = freedom[v].moves() ? 0 : 1;
   for (std::size_t v = 0; v < blocks.cage.points.size(); ++v) {
-    blocks.cage.points[v] = fit.vertex_targets[v].position;
-    moved[blocks.vertex_corner[v]] = blocks.cage.points[v] - complex.points[blocks.vertex_corner[v]];
-    fixed[blocks.vertex_corner[v]] = 1;
+    const Index corner = blocks.vertex_corner[v];
+    Vec3& p = blocks.cage.points[v];
+    p = fit.vertex_targets[v].position;
+    for (int axis = 0; axis < 3; ++axis) {  // to the bit in symmetry planes
+      if ((planes[corner] >> axis & 1) != 0) p[axis] = complex.points[corner][axis];
+    }
+    moved[corner] = p - complex.points[corner];
+    fixed[corner] = 1;
   }
   spread(complex, fixed, moved);
   for (std::size_t v = 0; v < moved.size(); ++v) {
@@ -77,6 +92,9 @@ PlacedBlocks place_blocks(AmbientBlocks blocks, const TargetSurface& target, Pro
       const bool frozen = (freedom[v].frozen_axes >> axis & 1) != 0 && fixed[v] == 0;
       if (!frozen) complex.points[v][axis] += moved[v][axis];
     }
+  }
+  for (std::size_t v = 0; v < blocks.cage.points.size(); ++v) {
+    complex.points[blocks.vertex_corner[v]] = blocks.cage.points[v];
   }
   const BlockMesh mesh(std::make_shared<const HexComplex>(complex));
   UntangleSettings untangling;

@@ -15,7 +15,7 @@ TEST_CASE("cage proposes a cage and blocks; the cage serves surface as it is") {
       run_flowcage({"cage", "can.step", "-o", "cage.obj", "-o", "blocks.vtu", "--json", "cage.json"}, in);
   INFO(run.err);
   REQUIRE(run.exit_code == 0);
-  CHECK_THAT(run.out, contains_text("2 of 2 chains"));
+  CHECK_THAT(run.err, contains_text("2 of 2 chains"));
   const nlohmann::json report = nlohmann::json::parse(folder.text_of("cage.json"));
   CHECK(report["blocks"]["inverted_blocks"] == 0);
   CHECK(report["blocks"]["chains_matched"] == 2);
