@@ -204,9 +204,12 @@ AmbientBlocks try_grid(const AmbientSurface& surface, const TargetSurface& targe
   const std::vector<Index> label =
       label_quads(result.cage, 1, surface.mapped, surface.body.triangles, surface.triangle_chart,
                   surface.charts, surface.borders, labelling);
+  for (Vec3& p : draft.points) p = surface.map.inverse(p, p);
+  std::vector<Vec3> pulled_back;
+  for (const Index v : wall.vertex_corner) pulled_back.push_back(draft.points[v]);
   WallFeatures features =
-      wall_features({result.cage, label, surface.body, surface.mapped, surface.triangle_chart}, target,
-                    surface.charts, surface.borders);
+      wall_features({result.cage, label, surface.body, surface.mapped, surface.triangle_chart, pulled_back},
+                    target, surface.charts, surface.borders);
   lost_groups = std::move(features.lost_groups);
   report.chains = features.chains;
   report.chains_matched = features.chains_followed;
@@ -216,7 +219,6 @@ AmbientBlocks try_grid(const AmbientSurface& surface, const TargetSurface& targe
   result.cage.points = std::move(features.places);
   result.face_region = std::move(features.face_region);
   name_patches(target, result.face_region, result.cage);
-  for (Vec3& p : draft.points) p = surface.map.inverse(p, p);
   if (settings.wall_layer) {
     draft = pillow(draft, std::vector<char>(draft.hexes.size(), 1), [](const BoundaryQuad& q) {
               return q.patch == 0;
@@ -247,7 +249,7 @@ AmbientBlocks make_ambient_blocks(const TargetSurface& target, const AmbientSett
     const AmbientSurface surface = ambient_surface(target, step_settings, progress);
     Trial trial;
     // The ladder: as asked; lines at the ends of lost regions; smaller cells; then all of that without a map.
-    for (int step = 0; step < 4; ++step) {
+    for (int step = 0; step < (map ? 4 : 2); ++step) {
       std::vector<Index> lost;
       try {
         AmbientBlocks made = try_grid(surface, target, step_settings, trial, progress, lost);

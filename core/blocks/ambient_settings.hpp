@@ -11,7 +11,7 @@ struct AmbientSettings {
   bool map = true;            ///< make the CAD nearly axis-aligned first
   bool wall_layer = true;     ///< an O-grid of one layer round the body (pillow)
   double growth = 3;          ///< of the blocks from the body toward the far field
-  Index max_blocks = 60000;
+  Index max_blocks = 40000;
 };
 
 }  // namespace flowcage

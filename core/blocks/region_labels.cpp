@@ -11,7 +11,7 @@
 namespace flowcage {
 namespace {
 
-constexpr double reach = 3;  // sizes: charts farther away than that are no choice
+constexpr double reach = 2;  // sizes: charts farther away than that are no choice
 
 }  // namespace
 

@@ -9,6 +9,7 @@
 
 #include "core/base/error.hpp"
 #include "core/blocks/closest_triangle.hpp"
+#include "core/project/box_tree.hpp"
 
 namespace flowcage {
 namespace {
@@ -36,6 +37,15 @@ class Places {
       : labelled_(labelled), borders_(borders), of_chart_(charts.charts.size()) {
     for (Index t = 0; t < static_cast<Index>(labelled.triangle_chart.size()); ++t) {
       if (labelled.triangle_chart[t] != no_index) of_chart_[labelled.triangle_chart[t]].push_back(t);
+    }
+    for (const std::vector<Index>& triangles : of_chart_) {
+      std::vector<Box3> boxes;
+      for (const Index t : triangles) {
+        Box3 box;
+        for (const Index v : labelled.body.triangles[t]) box.extend(labelled.mapped[v]);
+        boxes.push_back(box);
+      }
+      trees_.push_back(build_box_tree(boxes));
     }
   }
 
@@ -95,23 +105,27 @@ class Places {
   Nearest nearest(const Vec3& p, Index chart) const {
     Nearest best;
     const auto& m = labelled_.mapped;
-    for (const Index t : of_chart_[chart]) {
-      const auto& v = labelled_.body.triangles[t];
-      const Vec3 w = nearest_barycentric(p, m[v[0]], m[v[1]], m[v[2]]);
-      const double squared = (w[0] * m[v[0]] + w[1] * m[v[1]] + w[2] * m[v[2]] - p).squaredNorm();
-      if (squared < best.squared) best = {t, w, squared};
-    }
+    visit_near(
+        trees_[chart], p, [&] { return std::sqrt(best.squared); },
+        [&](Index n) {
+          const Index t = of_chart_[chart][n];
+          const auto& v = labelled_.body.triangles[t];
+          const Vec3 w = nearest_barycentric(p, m[v[0]], m[v[1]], m[v[2]]);
+          const double squared = (w[0] * m[v[0]] + w[1] * m[v[1]] + w[2] * m[v[2]] - p).squaredNorm();
+          if (squared < best.squared) best = {t, w, squared};
+        });
     return best;
   }
 
   const LabelledWall& labelled_;
   const ChartBorders& borders_;
   std::vector<std::vector<Index>> of_chart_;
+  std::vector<BoxTree> trees_;  ///< per chart, over its triangles
 };
 
 /// Vertices that were given one place (the map is squeezed there) move apart: halfway to the mean of their
-/// neighbours' places.
-void separate(const Cage& wall, std::vector<Vec3>& places) {
+/// neighbours' places, at last to where the voxels lie.
+void separate(const Cage& wall, std::span<const Vec3> pulled_back, std::vector<Vec3>& places) {
   constexpr int most_rounds = 10;
   std::vector<std::set<Index>> beside(places.size());
   for (Index f = 0; f < wall.faces.size(); ++f) {
@@ -128,6 +142,10 @@ void separate(const Cage& wall, std::vector<Vec3>& places) {
       if (!fresh) moving.push_back(v);
     }
     if (moving.empty()) return;
+    if (round == most_rounds - 1) {
+      for (const Index v : moving) places[v] = pulled_back[v];
+      return;
+    }
     const std::vector<Vec3> before = places;
     for (const Index v : moving) {
       Vec3 mean = Vec3::Zero();
@@ -192,7 +210,7 @@ WallFeatures wall_features(const LabelledWall& labelled, const TargetSurface& ta
   }
   for (std::size_t v = 0; v < wall.points.size(); ++v)
     result.places.push_back(places.of(wall.points[v], at[v]));
-  separate(wall, result.places);
+  separate(wall, labelled.pulled_back, result.places);
 
   for (const auto& [v, chains] : chains_at) {
     const bool turns = chains.size() == 2 && chains[0] != chains[1];

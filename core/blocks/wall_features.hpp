@@ -36,6 +36,7 @@ struct LabelledWall {
   const AmbientBody& body;
   std::span<const Vec3> mapped;
   std::span<const Index> triangle_chart;  ///< #triangles of the body
+  std::span<const Vec3> pulled_back;      ///< #V of the wall: its points by the map's inverse
 };
 WallFeatures wall_features(const LabelledWall& labelled, const TargetSurface& target,
                            const SurfaceCharts& charts, const ChartBorders& borders);
