@@ -76,7 +76,7 @@ void print_row(const std::string& name, const TargetSurface& cad, const Job& job
     if (job.findings) {
       for (const AmbientFinding& f : placed.blocks.report.findings)
         fmt::print("    {}: {}\n", f.check, f.what);
-      for (const InvertedCell& c : placed.untangle.inverted)
+      for (const LocatedCell& c : placed.untangle.inverted)
         fmt::print("    inverted at {}\n", place(c.centre));
     }
   } catch (const Error& error) {
