@@ -14,11 +14,12 @@
 namespace flowcage {
 
 FitInputs read_fit_inputs(const Options& options, Progress& progress) {
-  if (options.cage == "auto") {
-    throw Error(ErrorKind::usage, "--cage is missing: automatic cages are not in this version",
-                "draw a cage (docs/cages.md) and give it with --cage FILE");
-  }
   const auto start = std::chrono::steady_clock::now();
+  if (options.cage == "auto") {
+    CadModel cad = read_cad(options.inputs, cad_settings(options), progress);
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+    return {std::move(cad), false, {}, PreparedCage::Creases::none, {}, 1, seconds.count()};
+  }
   // The cage first: it is read at once, and most likely to be wrong.
   MendedCage drawn = read_mended_cage(options.cage);
   CadModel cad = read_cad(options.inputs, cad_settings(options), progress);
@@ -36,7 +37,8 @@ FitInputs read_fit_inputs(const Options& options, Progress& progress) {
   PreparedCage cage = prepare_cage(scale_cage(std::move(drawn.cage), unit), cad, prepare, progress);
   cage.lint.insert(cage.lint.begin(), drawn.mended.begin(), drawn.mended.end());
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-  return {std::move(cad), std::move(cage.cage), cage.creases, std::move(cage.lint), unit, seconds.count()};
+  return {std::move(cad),       true, std::move(cage.cage), cage.creases,
+          std::move(cage.lint), unit, seconds.count()};
 }
 
 CadReadSettings cad_settings(const Options& options) {
@@ -77,8 +79,7 @@ void require_gates(const std::vector<Gate>& gates) {
           "the result as it is with --force");
 }
 
-Json cage_json(const FitInputs& inputs, const Options& options) {
-  const Cage& cage = inputs.cage;
+Json cage_json(const FitInputs& inputs, const Cage& cage, const Options& options) {
   std::set<std::pair<Index, Index>> creases;
   for (const Cage::Crease& c : cage.creases) {
     if (c.sharpness > 0) creases.insert(std::minmax(c.a, c.b));

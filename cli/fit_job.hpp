@@ -15,15 +15,15 @@ namespace flowcage {
 /// What the commands surface and mesh share: their inputs, gates and JSON.
 struct FitInputs {
   CadModel cad;
-  Cage cage;  ///< in metres, as the linter left it
+  bool drawn = true;  ///< a cage was given
+  Cage cage;          ///< in metres, as the linter left it
   PreparedCage::Creases creases = PreparedCage::Creases::none;
   LintReport lint;       ///< places in metres
   double cage_unit = 1;  ///< metres
   double read_seconds = 0;
 };
 
-/// Reads the CAD files and the cage and makes it ready (prepare_cage.hpp). Throws Error(usage) without
-/// --cage.
+/// Reads the CAD files and the cage and makes it ready (prepare_cage.hpp). Without --cage: the CAD alone.
 FitInputs read_fit_inputs(const Options& options, Progress& progress);
 
 /// How the options want CAD to be read.
@@ -40,7 +40,7 @@ FitSettings fit_settings(const Options& options, int most);
 void require_gates(const std::vector<Gate>& gates);
 
 /// The contract's "cage", "surface" and "gates".
-Json cage_json(const FitInputs& inputs, const Options& options);
+Json cage_json(const FitInputs& inputs, const Cage& cage, const Options& options);
 Json surface_json(const SurfaceFit& fit);
 Json gates_json(const std::vector<Gate>& gates);
 

@@ -8,8 +8,6 @@
 #include <cmath>
 #include <limits>
 
-#include "core/blocks/enclosure.hpp"
-#include "core/blocks/shell.hpp"
 #include "core/limit/evaluate.hpp"
 #include "core/limit/limit_stencils.hpp"
 #include "core/mesh/hex_adjacency.hpp"
@@ -80,41 +78,34 @@ Cage as_cage(const SurfaceLevel& level, std::vector<Vec3> points, const Cage& li
   return mesh;
 }
 
-// Growth off the wall that the number of layers is chosen for where none is asked.
-constexpr double default_growth = 1.25;
-
-Index layers_at_start(const Shell& shell, int level) {
-  return layers_for_growth(shell, level - shell.cage_level, default_growth);
-}
-
-// Cells along a typical line at a level, those of the boundary layer included.
-double cells_along_line(const Shell& shell, const LayerSettings& layers, int level) {
-  const int refinements = level - shell.cage_level;
-  const Index count = layers_at_start(shell, level) << refinements;
-  if (!(layers.first_height > 0)) return count;
-  const TypicalLine line = typical_line(shell, refinements);
+// Cells when the fit ends at a level, boundary layers included.
+double cells_at_level(const BlockSource& source, const LayerSettings& layers, int last) {
+  const BlockSource::Size size = source.size_at(last);
+  if (!(layers.first_height > 0)) return size.cells;
   std::vector<double> lengths{0};
-  for (const double cell : geometric_cells(line.length, count, line.wall_cell, default_growth)) {
+  for (const double cell : geometric_cells(size.line.length, size.line_cells, size.line.wall_cell, 1.5)) {
     lengths.push_back(lengths.back() + cell);
   }
-  return static_cast<double>(graded_cells(lengths, layers).size());
-}
-
-double cells_at_level(const Shell& shell, const LayerSettings& layers, int level) {
-  return std::ldexp(static_cast<double>(shell.wall.face_count()), 2 * (level - shell.cage_level)) *
-         cells_along_line(shell, layers, level);
+  const auto graded = static_cast<double>(graded_cells(lengths, layers).size());
+  const double lines =
+      std::ldexp(static_cast<double>(source.blocks().wall.face_count()), 2 * (last - source.fit_level()));
+  return size.cells + lines * (graded - size.line_cells);
 }
 
 // The level whose number of cells is nearest to the wish, in ratio.
-int level_for_cells(const Shell& shell, const VolumeSettings& settings) {
+int level_for_cells(const BlockSource& source, const VolumeSettings& settings) {
   constexpr int most_levels = 10;
   const auto distance = [&](int level) {
     return std::abs(
-        std::log(cells_at_level(shell, settings.layers, level) / static_cast<double>(settings.cells)));
+        std::log(cells_at_level(source, settings.layers, level) / static_cast<double>(settings.cells)));
   };
-  int best = shell.cage_level;
+  int best = source.fit_level();
+  double least = distance(best);
   for (int level = best + 1; level <= most_levels; ++level) {
-    if (distance(level) < distance(best)) best = level;
+    const double next = distance(level);
+    if (next >= least) break;
+    best = level;
+    least = next;
   }
   return best;
 }
@@ -154,113 +145,85 @@ int affordable_levels(const FitSettings& fit, int least, const std::string& cage
                           : std::string("give a coarser cage or a larger machine"));
 }
 
-// The outer polyhedron was seen to enclose the cage; subdivision draws both in. Throws Error(input) where the
-// outer limit surface does not enclose the fitted one.
-void require_enclosure(const Shell& shell, const SurfaceFit& fit, const std::string& outer_name) {
-  const int level = std::min(shell.cage_level + 1, static_cast<int>(fit.levels.size()) - 1);
-  const SurfaceLevel& topology = fit.levels[level].topology;
-  const std::vector<Vec3> inner = limit_points(fit.levels[level]);
-  const std::vector<Vec3> outer = outer_points(shell, level - shell.cage_level, true);
-  if (const auto defect = enclosure_defect({topology, inner}, {topology, outer}, shell.symmetry)) {
-    throw input_error(
-        outer_name, 0, "its limit surface does not enclose the body: " + *defect,
-        "draw the outer polyhedron larger: subdivision draws it in, by up to a third of its radius");
-  }
-}
-
-// An open boundary of the cage follows the CAD's, which need not lie in the cage's symmetry plane. Throws
-// Error(input) where the fitted one leaves it.
-void require_planar_rim(const Shell& shell, const SurfaceFit& fit, const TargetSurface& target,
-                        const std::string& cage_name) {
-  if (!shell.symmetry) return;
-  constexpr double allowed = 1e-3;  // of the diagonal
-  const FittedLevel& last = fit.levels.back();
-  const std::vector<Vec3> limit = limit_points(last);
-  double worst = 0;
-  Vec3 worst_place = Vec3::Zero();
-  for (const Index v : boundary_vertices(last.topology)) {
-    const double off = std::abs(shell.symmetry->distance(limit[v]));
-    if (off > worst) {
-      worst = off;
-      worst_place = limit[v];
-    }
-  }
-  if (worst <= allowed * target.diagonal()) return;
-  throw input_error(
-      cage_name, 0,
-      fmt::format("the fitted surface's open boundary leaves the symmetry plane by {:.3g} m at {}", worst,
-                  place(worst_place)),
-      "the CAD is open there, too, off that plane: close the CAD and the cage there; only the cut "
-      "of a half model may be open");
-}
-
 // Meshes up to this size are shaped as a whole; finer ones inherit that and are mended where need be.
 constexpr Offset whole_mesh_cells = 30000;
 
+struct ShapedMesh {
+  BlockMesh mesh;
+  SurfaceLevel cut;               ///< the blocks' wall refined to the last level
+  std::vector<Index> fit_vertex;  ///< #V of cut: vertex of the fit's last level
+};
+
+// Places of the fit's vertices, carried to the wall of the blocks.
+void place_wall(ShapedMesh& shaped, const BlockSource& source, const FittedLevel& level,
+                std::vector<Vec3> points) {
+  source.straighten(shaped.cut, level.topology, points);
+  shaped.fit_vertex = source.fit_vertices(shaped.cut, level.topology);
+  std::vector<Vec3> places;
+  places.reserve(shaped.fit_vertex.size());
+  for (const Index v : shaped.fit_vertex) places.push_back(points[v]);
+  place_boundary(shaped.mesh, source.blocks(), shaped.cut, {places, {}});
+}
+
 // The blocks at the last level: refined in 3-D, the wall following the fitted control points at each level,
 // finally limit points (on the CAD if asked) on the wall and the outer surface's own limit outside.
-BlockMesh shaped_blocks(const Shell& shell, const VolumeSettings& settings, const SurfaceFit& fit,
-                        Progress& progress) {
+ShapedMesh shaped_blocks(const BlockSource& source, const VolumeSettings& settings, const SurfaceFit& fit,
+                         Progress& progress) {
+  const int first = source.fit_level();
   const int last = static_cast<int>(fit.levels.size()) - 1;
-  BlockMesh mesh =
-      start_volume(shell, fit.levels[shell.cage_level].control_points, layers_at_start(shell, last));
-  for (int level = shell.cage_level + 1; level <= last; ++level) {
-    progress.step("volume",
-                  static_cast<double>(level - shell.cage_level - 1) / (last - shell.cage_level + 1));
-    mesh = refine_volume(mesh);
-    const std::vector<Vec3> outer = outer_points(shell, level - shell.cage_level, false);
-    // A far field that the optimiser slides along keeps its places; only a drawn one is told where to go.
-    const bool drawn = !shell.outer_shape || level == shell.cage_level + 1;
-    place_boundary(
-        mesh, shell, fit.levels[level].topology,
-        {fit.levels[level].control_points, drawn ? std::span<const Vec3>(outer) : std::span<const Vec3>()});
-    if (!drawn) project_outer(mesh, shell);
-    // Each refinement takes the root of the growth along the lines.
-    if (level == shell.cage_level + 1) {
-      spread_lines(mesh, shell, std::max(1.5, std::pow(default_growth, std::exp2(last - level))));
+  ShapedMesh shaped{source.start(fit, last), source.blocks().wall, {}};
+  BlockMesh& mesh = shaped.mesh;
+  for (int level = first; level <= last; ++level) {
+    progress.step("volume", static_cast<double>(level - first) / (last - first + 1));
+    if (level > first) {
+      mesh = refine_volume(mesh);
+      shaped.cut = build_child_level(shaped.cut);
+      place_wall(shaped, source, fit.levels[level], fit.levels[level].control_points);
+      source.place_outer(mesh, shaped.cut, level - first, false);
+      if (level == first + 1) source.spread(mesh, level, last);
     }
-    if (mesh.cell_count() <= whole_mesh_cells) {
-      smooth_blocks(mesh, shell, progress);
+    if (level > first && mesh.cell_count() <= whole_mesh_cells) {
+      smooth_blocks(mesh, source.freedom(mesh), progress);
     } else {
-      mend_blocks(mesh, shell, progress);
+      mend_blocks(mesh, source.freedom(mesh), progress);
     }
   }
   std::vector<Vec3> wall = limit_points(fit.levels[last]);
   if (settings.snap) wall = snapped(fit, std::move(wall));
-  const std::vector<Vec3> outer =
-      shell.outer_shape ? std::vector<Vec3>() : outer_points(shell, last - shell.cage_level, true);
-  place_boundary(mesh, shell, fit.levels[last].topology, {wall, outer});
-  return mesh;
+  place_wall(shaped, source, fit.levels[last], std::move(wall));
+  source.place_outer(mesh, shaped.cut, last - first, true);
+  return shaped;
 }
 
 struct GradedMesh {
-  BlockMesh mesh;
+  ShapedMesh shaped;
   LayerReport layers;
   NormalReport normals;
   HexValidity validity;
 };
 
 // The shaped blocks with lines that leave the wall along its normals and, if asked, boundary layers on them.
-GradedMesh graded_mesh(const Shell& shell, const VolumeSettings& settings, const SurfaceFit& fit,
+GradedMesh graded_mesh(const BlockSource& source, const VolumeSettings& settings, const SurfaceFit& fit,
                        Progress& progress) {
-  GradedMesh result{shaped_blocks(shell, settings, fit, progress), {}, {}, {}};
+  GradedMesh result{shaped_blocks(source, settings, fit, progress), {}, {}, {}};
+  BlockMesh& mesh = result.shaped.mesh;
   progress.step("spacing", 0);
-  result.normals = turn_lines_to_wall(result.mesh, shell, {});
+  result.normals = turn_lines_to_wall(mesh, source.blocks(), {});
   progress.step("spacing", 0.5);
   if (settings.layers.first_height > 0) {
-    result.mesh = insert_boundary_layers(result.mesh, shell, settings.layers, result.layers);
+    mesh = insert_boundary_layers(mesh, source.blocks(), settings.layers, result.layers);
   }
-  mend_blocks(result.mesh, shell, progress);
-  result.validity = hex_validity(result.mesh);
+  mend_blocks(mesh, source.freedom(mesh), progress);
+  result.validity = hex_validity(mesh);
   return result;
 }
 
-std::vector<PatchSummary> summarise_patches(const BlockMesh& mesh, const Shell& shell,
-                                            const SurfaceLevel& top, std::span<const double> deviation,
+std::vector<PatchSummary> summarise_patches(const BlockMesh& mesh, const WallBlocks& blocks,
+                                            const SurfaceLevel& cut, std::span<const double> deviation,
                                             double diagonal) {
-  const std::vector<WallLine> lines = wall_lines(shell, top);
-  const std::vector<Index> wall = layer_points(mesh, shell, lines, 0);
-  const std::vector<Index> first = layer_points(mesh, shell, lines, 1);
+  const std::vector<WallLine> lines = wall_lines(blocks, cut);
+  const std::vector<Index> wall = layer_points(mesh, blocks, lines, 0);
+  const std::vector<Index> first = layer_points(mesh, blocks, lines, 1);
   std::vector<double> height(mesh.points().size(), 0);
   for (std::size_t v = 0; v < wall.size(); ++v) {
     height[wall[v]] = (mesh.points()[first[v]] - mesh.points()[wall[v]]).norm();
@@ -343,41 +306,42 @@ SurfaceResult make_surface(const Cage& cage, const TargetSurface& target, const 
   return result;
 }
 
-VolumeResult make_volume(const Cage& cage, const TargetSurface& target, const VolumeSettings& settings,
-                         Progress& progress) {
-  const Shell shell = settings.outer ? build_shell(cage, *settings.outer)
-                                     : build_farfield_shell(cage, settings.farfield, target.bounds());
+VolumeResult make_volume(const BlockSource& source, const TargetSurface& target,
+                         const VolumeSettings& settings, Progress& progress) {
+  for (const std::string& warning : source.warnings()) progress.warn(warning);
   FitSettings fit_settings = settings.fit;
   if (settings.cells > 0) {
-    fit_settings.levels = level_for_cells(shell, settings);
+    fit_settings.levels = level_for_cells(source, settings);
     fit_settings.tolerance = 0;  // a tolerance that is met earlier is no reason for fewer cells
   }
-  fit_settings.levels = affordable_levels(fit_settings, shell.cage_level, cage.source, [&](int level) {
-    const double faces =
-        std::ldexp(static_cast<double>(shell.wall.face_count()), 2 * (level - shell.cage_level));
-    return Demand{faces, cells_at_level(shell, settings.layers, level), 0};
-  });
+  fit_settings.levels =
+      affordable_levels(fit_settings, source.fit_level(), source.cage().source, [&](int level) {
+        const double faces = std::ldexp(static_cast<double>(source.blocks().wall.face_count()),
+                                        2 * (level - source.fit_level()));
+        return Demand{faces, cells_at_level(source, settings.layers, level), 0};
+      });
 
   const auto fit_start = Clock::now();
-  SurfaceFit fit = fit_surface(cage, target, fit_settings, progress);
+  SurfaceFit fit = fit_surface(source.cage(), target, fit_settings, progress);
   const double fit_seconds = seconds_since(fit_start);
-  require_planar_rim(shell, fit, target, cage.source);
-  if (settings.outer) require_enclosure(shell, fit, settings.outer->source);
+  source.check(fit, target);
 
   const auto volume_start = Clock::now();
-  GradedMesh graded = graded_mesh(shell, settings, fit, progress);
-  BlockMesh& mesh = graded.mesh;
+  GradedMesh graded = graded_mesh(source, settings, fit, progress);
+  BlockMesh& mesh = graded.shaped.mesh;
 
   progress.step("quality", 0);
-  const FittedLevel& last = fit.levels.back();
-  const std::vector<double> wall_deviation = distances_to(target, limit_points(last));
-  const std::vector<Index> wall = layer_points(mesh, shell, wall_lines(shell, last.topology), 0);
+  const SurfaceLevel& cut = graded.shaped.cut;
+  const std::vector<double> wall_deviation = distances_to(target, limit_points(fit.levels.back()));
+  const std::vector<Index> wall = layer_points(mesh, source.blocks(), wall_lines(source.blocks(), cut), 0);
   std::vector<double> deviation(mesh.points().size(), 0);
-  for (std::size_t v = 0; v < wall.size(); ++v) deviation[wall[v]] = wall_deviation[v];
+  for (std::size_t v = 0; v < wall.size(); ++v) {
+    deviation[wall[v]] = wall_deviation[graded.shaped.fit_vertex[v]];
+  }
   const double diagonal = target.diagonal();
   TopologyBound bound = topology_bound(mesh);
   QualityReport quality = measure_quality(mesh, build_hex_adjacency(mesh), {}, &progress);
-  std::vector<PatchSummary> patches = summarise_patches(mesh, shell, last.topology, deviation, diagonal);
+  std::vector<PatchSummary> patches = summarise_patches(mesh, source.blocks(), cut, deviation, diagonal);
   std::vector<Gate> gates = surface_gates(fit, settings.tolerance, diagonal);
   gates.push_back(inversion_gate(quality));
   gates.push_back(proof_gate(graded.validity, mesh));

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/base/progress.hpp"
-#include "core/blocks/farfield.hpp"
+#include "core/block_source.hpp"
 #include "core/grade/boundary_layers.hpp"
 #include "core/mesh/block_mesh.hpp"
 #include "core/mesh/cage.hpp"
@@ -52,8 +52,6 @@ struct VolumeSettings {
   FitSettings fit;
   double tolerance = 1e-4;
   bool snap = true;
-  std::optional<Cage> outer;  ///< none: a far field is made
-  FarField farfield;
   LayerSettings layers;  ///< first height 0: cells at the wall as high as they are wide
   Offset cells = 0;      ///< > 0: refine to the level nearest to so many cells, whatever fit.levels says
 };
@@ -82,8 +80,8 @@ struct VolumeResult {
   double fit_seconds = 0, volume_seconds = 0;
 };
 
-VolumeResult make_volume(const Cage& cage, const TargetSurface& target, const VolumeSettings& settings,
-                         Progress& progress);
+VolumeResult make_volume(const BlockSource& source, const TargetSurface& target,
+                         const VolumeSettings& settings, Progress& progress);
 
 /// True when all hold.
 bool all_hold(const std::vector<Gate>& gates);

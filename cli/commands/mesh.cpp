@@ -101,14 +101,55 @@ void check_symmetry(const Options& options, const Cage& cage) {
   }
 }
 
+/// A cage and the routes that make their own exclude each other.
+void check_route(const Options& options) {
+  const bool drawn = options.cage != "auto";
+  if (!drawn && (options.blocks == "shell" || !options.outer.empty())) {
+    throw Error(
+        ErrorKind::usage, "a shell of blocks needs a cage, and --cage is missing",
+        "draw a cage (docs/cages.md) and give it with --cage FILE, or leave out --blocks shell and --outer");
+  }
+  if (drawn && (options.blocks == "swept" || options.blocks == "ambient" || options.flow == "internal")) {
+    throw Error(ErrorKind::usage,
+                fmt::format("--cage {} is for a shell of blocks round the body", options.cage),
+                "leave out --cage, or --blocks and --flow");
+  }
+}
+
+/// The blocks that were asked for. Without a cage, a body that is a swept one gets C-H blocks, any other the
+/// ambient grid.
+std::unique_ptr<BlockSource> block_source(const Options& options, const FitInputs& inputs,
+                                          Progress& progress) {
+  if (inputs.drawn) {
+    std::optional<Cage> outer;
+    if (!options.outer.empty()) outer = read_cage_in_metres(options.outer, inputs.cage_unit);
+    FarField farfield;
+    farfield.kind = options.farfield == "sphere" ? OuterShape::Kind::sphere : OuterShape::Kind::box;
+    farfield.body_lengths = options.farfield_size;
+    return shell_source(inputs.cage, outer ? &*outer : nullptr, farfield, inputs.cad.bounds());
+  }
+  const std::string& name = options.inputs.front();
+  if (options.blocks == "swept" || (options.blocks == "auto" && options.flow == "external")) {
+    progress.step("blocks", 0);
+    try {
+      return swept_source(inputs.cad, {options.farfield_size}, name);
+    } catch (const Error& e) {
+      if (options.blocks == "swept" || e.kind() == ErrorKind::interrupted) throw;
+      progress.step(fmt::format("no swept body ({}): ambient blocks", e.what()), 0);
+    }
+  }
+  AmbientSettings settings;
+  settings.internal = options.flow == "internal";
+  settings.farfield_size = options.farfield_size;
+  if (options.cage_size) settings.cage_size = *options.cage_size * metres_per_unit(options.unit);
+  return ambient_source(inputs.cad, settings, name, progress);
+}
+
 VolumeSettings volume_settings(const Options& options, const FitInputs& inputs) {
   VolumeSettings settings;
   settings.fit = fit_settings(options, most_levels);
   settings.tolerance = options.tolerance;
   settings.snap = options.snap;
-  if (!options.outer.empty()) settings.outer = read_cage_in_metres(options.outer, inputs.cage_unit);
-  settings.farfield.kind = options.farfield == "sphere" ? OuterShape::Kind::sphere : OuterShape::Kind::box;
-  settings.farfield.body_lengths = options.farfield_size;
   if (options.first_height) {
     settings.layers.first_height = *options.first_height * metres_per_unit(options.unit);
     // Below, points of neighbouring layers would coincide in double precision.
@@ -158,11 +199,13 @@ void commit(std::vector<Output>& outputs) {
   }
 }
 
-Json report(const Options& options, const FitInputs& inputs, const VolumeResult& result) {
+Json report(const Options& options, const FitInputs& inputs, const BlockSource& source,
+            const VolumeResult& result) {
   const double scale = 1 / metres_per_unit(options.unit);
   Json json = new_report();
   json["cad"] = cad_json(inputs.cad.summary());
-  json["cage"] = cage_json(inputs, options);
+  json["cage"] = cage_json(inputs, source.cage(), options);
+  json["blocks"] = {{"route", source.name()}, {"count", source.blocks().complex->hexes.size()}};
   json["surface"] = surface_json(result.fit);
   json["volume"] = volume_json(result.quality);
   json["volume"]["first_height"] = {{"min", result.layers.min_height * scale},
@@ -203,14 +246,16 @@ int run_mesh(const Options& options, Progress& progress) {
     throw Error(ErrorKind::usage, "--flow internal is not in this version of mesh",
                 "flowcage cage --flow internal proposes blocks");
   }
+  check_route(options);
   const FitInputs inputs = read_fit_inputs(options, progress);
-  check_symmetry(options, inputs.cage);
+  if (inputs.drawn) check_symmetry(options, inputs.cage);
   const VolumeSettings settings = volume_settings(options, inputs);
+  const std::unique_ptr<BlockSource> source = block_source(options, inputs, progress);
   std::vector<Output> outputs;  // opened before the long work: a place that cannot be written shows now
   for (const std::string& name : options.outputs) outputs.push_back(open_output(name));
   const std::unique_ptr<AtomicFile> json_file = open_json(options);
 
-  VolumeResult result = make_volume(inputs.cage, inputs.cad, settings, progress);
+  VolumeResult result = make_volume(*source, inputs.cad, settings, progress);
   warn_of_first_height(options, result.layers, progress);
   const Clock::time_point write_start = Clock::now();
   const bool write = options.force || all_hold(result.gates);
@@ -221,7 +266,7 @@ int run_mesh(const Options& options, Progress& progress) {
     write_outputs(outputs, result.mesh, result.deviation, progress);
   }
   if (json_file) {
-    Json json = report(options, inputs, result);
+    Json json = report(options, inputs, *source, result);
     json["seconds"] = {{"read", inputs.read_seconds},         {"cage", 0.0},
                        {"fit", result.fit_seconds},           {"volume", result.volume_seconds},
                        {"write", seconds_since(write_start)}, {"total", seconds_since(start)}};

@@ -66,6 +66,11 @@ int run_surface(const Options& options, Progress& progress) {
   if (as_step && options.sample > 0) {
     progress.warn("--sample does not apply to STEP: B-spline patches are the limit surface itself");
   }
+  if (options.cage == "auto") {
+    throw Error(
+        ErrorKind::usage, "--cage is missing",
+        "draw a cage (docs/cages.md), or let `flowcage cage` propose one, and give it with --cage FILE");
+  }
   const FitInputs inputs = read_fit_inputs(options, progress);
   // Opened before the long work: a place that cannot be written shows now.
   std::vector<std::unique_ptr<AtomicFile>> outputs;
@@ -102,7 +107,7 @@ int run_surface(const Options& options, Progress& progress) {
   if (json_file) {
     Json json = new_report();
     json["cad"] = cad_json(inputs.cad.summary());
-    json["cage"] = cage_json(inputs, options);
+    json["cage"] = cage_json(inputs, inputs.cage, options);
     json["surface"] = surface_json(result.fit);
     if (patches) json["surface"]["step"] = step_json(*patches, inputs.cad.diagonal());
     json["gates"] = gates_json(result.gates);

@@ -78,16 +78,24 @@ WallBlocks seat_blocks(std::shared_ptr<const HexComplex> complex, SurfaceLevel w
   return blocks;
 }
 
+SeatEdge seat_edge(const WallBlocks& blocks, Index face) {
+  const WallSeat& seat = blocks.seats[face];
+  const int foot = seat.foot[0];
+  const int head = head_of(seat, 0);
+  for (int e = 0; e < 12; ++e) {
+    const auto& [a, b] = hex_edges[e];
+    if (std::minmax(a, b) != std::minmax(foot, head)) continue;
+    const Index edge = blocks.complex->hex_edges[seat.block][e];
+    const Index from = blocks.complex->hexes[seat.block][foot];
+    return {edge, blocks.complex->edge_chord[edge], blocks.complex->edges[edge][0] == from};
+  }
+  return {};
+}
+
 std::vector<Index> line_chords(const WallBlocks& blocks) {
   std::vector<Index> chords;
-  for (const WallSeat& seat : blocks.seats) {
-    const int foot = seat.foot[0];
-    const int head = head_of(seat, 0);
-    for (int e = 0; e < 12; ++e) {
-      const auto& [a, b] = hex_edges[e];
-      if (std::minmax(a, b) != std::minmax(foot, head)) continue;
-      chords.push_back(blocks.complex->edge_chord[blocks.complex->hex_edges[seat.block][e]]);
-    }
+  for (std::size_t f = 0; f < blocks.seats.size(); ++f) {
+    chords.push_back(seat_edge(blocks, static_cast<Index>(f)).chord);
   }
   std::sort(chords.begin(), chords.end());
   chords.erase(std::unique(chords.begin(), chords.end()), chords.end());
@@ -108,8 +116,12 @@ Index line_point(const BlockMesh& mesh, const WallBlocks& blocks, const WallLine
   return mesh.point_number(seat.block, at[0], at[1], at[2]);
 }
 
-Index line_layers(const BlockMesh& mesh, const WallBlocks& blocks) {
-  return mesh.chord_divisions()[line_chords(blocks).front()];
+Index line_layers(const BlockMesh& mesh, const WallBlocks& blocks, Index chord) {
+  if (chord != no_index) return mesh.chord_divisions()[chord];
+  const std::vector<Index> chords = line_chords(blocks);
+  Index least = mesh.chord_divisions()[chords.front()];
+  for (const Index c : chords) least = std::min(least, mesh.chord_divisions()[c]);
+  return least;
 }
 
 std::vector<WallLine> wall_lines(const WallBlocks& blocks, const SurfaceLevel& level) {

@@ -34,7 +34,15 @@ struct WallBlocks {
 WallBlocks seat_blocks(std::shared_ptr<const HexComplex> complex, SurfaceLevel wall,
                        std::span<const Index> corner, const std::string& source);
 
-/// Chords of the lines, ascending: one for each connected part of the wall.
+/// The edge of the complex that leaves the wall at a face's first corner, with its chord; `outward` when the
+/// edge runs away from the wall.
+struct SeatEdge {
+  Index edge = no_index, chord = no_index;
+  bool outward = true;
+};
+SeatEdge seat_edge(const WallBlocks& blocks, Index face);
+
+/// Chords of the lines, ascending: one for each part of the wall that lines leave together.
 std::vector<Index> line_chords(const WallBlocks& blocks);
 
 /// A line: where it leaves the wall, as lattice place (i along the face's first side, j along its last) on a
@@ -46,8 +54,8 @@ struct WallLine {
 /// The point of layer k (0: the wall) on a line.
 Index line_point(const BlockMesh& mesh, const WallBlocks& blocks, const WallLine& line, Index k);
 
-/// Cells along each line. Precondition: the same on every chord of line_chords.
-Index line_layers(const BlockMesh& mesh, const WallBlocks& blocks);
+/// Cells along the lines of a chord; with no chord those of all lines, the least where chords differ.
+Index line_layers(const BlockMesh& mesh, const WallBlocks& blocks, Index chord = no_index);
 
 /// The line of each vertex of a surface level (the cage refined level.depth times, numbered as in
 /// mesh/surface_level), by construction, without coordinates. Lattice places are those of the mesh that was

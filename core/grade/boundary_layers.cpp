@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "core/base/parallel.hpp"
+#include "core/mesh/hex_numbering.hpp"
 #include "core/volume/line_curve.hpp"
 #include "core/volume/wall_columns.hpp"
 #include "core/volume/wall_normals.hpp"
@@ -207,22 +209,109 @@ std::vector<double> lean_factors(const BlockMesh& mesh, const WallBlocks& blocks
   return factor;
 }
 
-/// The mesh with other divisions on the line chords; points of the lines' insides are still to be set.
-BlockMesh redivided(const BlockMesh& mesh, const WallBlocks& blocks, Index cells) {
+/// Which of a chord's edges run away from the wall (1) or toward it (0), by edge; 2 elsewhere.
+std::vector<std::uint8_t> chord_directions(const WallBlocks& blocks, Index chord) {
+  const HexComplex& complex = *blocks.complex;
+  std::vector<std::vector<Index>> quads_of(complex.edges.size());
+  std::vector<std::array<Index, 4>> sides(complex.quads.size(), {no_index, no_index, no_index, no_index});
+  std::map<std::array<Index, 2>, Index> edge_of;
+  for (std::size_t e = 0; e < complex.edges.size(); ++e) {
+    const auto [low, high] = std::minmax(complex.edges[e][0], complex.edges[e][1]);
+    edge_of[{low, high}] = static_cast<Index>(e);
+  }
+  for (std::size_t q = 0; q < complex.quads.size(); ++q) {
+    for (int c = 0; c < 4; ++c) {
+      const auto [low, high] = std::minmax(complex.quads[q][c], complex.quads[q][(c + 1) % 4]);
+      sides[q][c] = edge_of.at({low, high});
+      if (complex.edge_chord[sides[q][c]] == chord) quads_of[sides[q][c]].push_back(static_cast<Index>(q));
+    }
+  }
+  std::vector<std::uint8_t> direction(complex.edges.size(), 2);
+  std::vector<Index> front;
+  for (std::size_t f = 0; f < blocks.seats.size(); ++f) {
+    const SeatEdge edge = seat_edge(blocks, static_cast<Index>(f));
+    if (edge.chord != chord || direction[edge.edge] != 2) continue;
+    direction[edge.edge] = edge.outward ? 1 : 0;
+    front.push_back(edge.edge);
+  }
+  while (!front.empty()) {
+    const Index e = front.back();
+    front.pop_back();
+    for (const Index q : quads_of[e]) {
+      for (int c = 0; c < 4; ++c) {
+        if (sides[q][c] != e) continue;
+        const Index opposite = sides[q][(c + 2) % 4];
+        if (direction[opposite] != 2) continue;
+        // Round the quad the two run against each other.
+        const bool along = complex.edges[e][0] == complex.quads[q][c];
+        const bool opposite_along = complex.edges[opposite][0] == complex.quads[q][(c + 2) % 4];
+        const bool outward = direction[e] == 1;
+        direction[opposite] = (outward == (along != opposite_along)) ? 1 : 0;
+        front.push_back(opposite);
+      }
+    }
+  }
+  return direction;
+}
+
+/// The mesh with `cells` divisions on a chord. Every line of points along it is divided anew as `divide` says
+/// (lengths of the line's old points from the wall's end on -> of its new ones); seats' lines come later.
+template <typename Divide>
+BlockMesh redivided(const BlockMesh& mesh, const WallBlocks& blocks, Index chord, Index cells,
+                    const Divide& divide) {
   std::vector<Index> divisions = mesh.chord_divisions();
-  for (const Index chord : line_chords(blocks)) divisions[chord] = cells;
+  divisions[chord] = cells;
   const HexComplex& complex = mesh.complex();
+  const std::vector<std::uint8_t> direction = chord_directions(blocks, chord);
   BlockMesh out(mesh.shared_complex(), divisions,
                 std::vector<Vec3>(BlockMesh::point_count(complex, divisions)));
   std::vector<Vec3>& points = out.mutable_points();
+  std::vector<char> seated(complex.hexes.size(), 0);
+  for (std::size_t f = 0; f < blocks.seats.size(); ++f) {
+    if (seat_edge(blocks, static_cast<Index>(f)).chord == chord) seated[blocks.seats[f].block] = 1;
+  }
   for (Index b = 0; b < mesh.block_count(); ++b) {
+    int axis = no_index;
+    bool outward = true;
+    for (int e = 0; e < 12; ++e) {
+      const Index edge = complex.hex_edges[b][e];
+      if (complex.edge_chord[edge] != chord) continue;
+      axis = e / 4;
+      const bool with_block = complex.edges[edge][0] == complex.hexes[b][hex_edges[e][0]];
+      outward = (direction[edge] == 1) == with_block;
+    }
     const auto from = mesh.dims(b);
     const auto to = out.dims(b);
-    if (from != to) continue;  // a block that lines run through
-    for (Index k = 0; k <= to[2]; ++k) {
-      for (Index j = 0; j <= to[1]; ++j) {
-        for (Index i = 0; i <= to[0]; ++i) {
-          points[out.point_number(b, i, j, k)] = mesh.points()[mesh.point_number(b, i, j, k)];
+    if (axis == no_index) {
+      for (Index k = 0; k <= to[2]; ++k) {
+        for (Index j = 0; j <= to[1]; ++j) {
+          for (Index i = 0; i <= to[0]; ++i) {
+            points[out.point_number(b, i, j, k)] = mesh.points()[mesh.point_number(b, i, j, k)];
+          }
+        }
+      }
+      continue;
+    }
+    if (seated[b] != 0) continue;
+    const int u = (axis + 1) % 3;
+    const int v = (axis + 2) % 3;
+    for (Index j = 0; j <= from[v]; ++j) {
+      for (Index i = 0; i <= from[u]; ++i) {
+        const auto number = [&](const BlockMesh& of, Index t) {
+          std::array<Index, 3> at{};
+          at[axis] = outward ? t : of.dims(b)[axis] - t;
+          at[u] = i;
+          at[v] = j;
+          return of.point_number(b, at[0], at[1], at[2]);
+        };
+        std::vector<Vec3> line(from[axis] + 1);
+        for (Index t = 0; t <= from[axis]; ++t) line[t] = mesh.points()[number(mesh, t)];
+        const Vec3 first = line.front();
+        const Vec3 last = line.back();
+        const LineCurve curve(std::move(line));
+        const std::vector<double> s = divide(curve.lengths());
+        for (Index t = 0; t <= cells; ++t) {
+          points[number(out, t)] = t == 0 ? first : t == cells ? last : curve.at(s[t]);
         }
       }
     }
@@ -257,14 +346,16 @@ class LayerBuilder {
         mean_(mesh, blocks, columns, settings) {}
 
   Index cells() const { return mean_.cells(); }
+  const MeanLine& mean() const { return mean_; }
 
-  /// 0 for lines that lean by more than 60 degrees: their curves would bend too far.
+  /// 0 for lines that lean by more than 60 degrees (their curves would bend too far) and shared ones.
   std::vector<double> start_weights() const {
     std::vector<double> weight(columns_.lines.size());
     for (std::size_t l = 0; l < weight.size(); ++l) {
       const Vec3 along = at(columns_.lines[l], 1) - at(columns_.lines[l], 0);
       constexpr double least_cosine = 0.5;
-      weight[l] = along.normalized().dot(normals_[l]) > least_cosine ? 1 : 0;
+      const bool bends = columns_.rim[l] == 0 && along.normalized().dot(normals_[l]) > least_cosine;
+      weight[l] = bends ? 1 : 0;
     }
     return weight;
   }
@@ -359,15 +450,19 @@ std::vector<double> graded_cells(std::span<const double> lengths, const LayerSet
   return cells;
 }
 
-BlockMesh insert_boundary_layers(const BlockMesh& mesh, const WallBlocks& blocks,
-                                 const LayerSettings& settings, LayerReport& report) {
-  const WallColumns columns = wall_columns(mesh, blocks);
+namespace {
+
+BlockMesh insert_along_chord(const BlockMesh& mesh, const WallBlocks& blocks, Index chord,
+                             const LayerSettings& settings, LayerReport& report) {
+  const WallColumns columns = wall_columns(mesh, blocks, chord);
   const LayerBuilder builder(mesh, blocks, columns, settings);
   const std::vector<float> least = builder.least_values();
   std::vector<double> weight = builder.start_weights();
   WallColumns layered = columns;
   layered.layers = builder.cells();
-  BlockMesh out = redivided(mesh, blocks, builder.cells());
+  BlockMesh out = redivided(mesh, blocks, chord, builder.cells(), [&](const std::vector<double>& lengths) {
+    return builder.mean().carried(lengths, 1);
+  });
   constexpr int passes = 8;
   report = builder.place(weight, out);
   for (int pass = 0; pass < passes; ++pass) {
@@ -384,6 +479,23 @@ BlockMesh insert_boundary_layers(const BlockMesh& mesh, const WallBlocks& blocks
     if (!any) break;
     bound_steps(columns.edges, 0.2, weight);
     report = builder.place(weight, out);
+  }
+  return out;
+}
+
+}  // namespace
+
+BlockMesh insert_boundary_layers(const BlockMesh& mesh, const WallBlocks& blocks,
+                                 const LayerSettings& settings, LayerReport& report) {
+  report = {0, std::numeric_limits<double>::infinity(), 0, 1};
+  BlockMesh out = mesh;
+  for (const Index chord : line_chords(blocks)) {
+    LayerReport part;
+    out = insert_along_chord(out, blocks, chord, settings, part);
+    report.cells = std::max(report.cells, part.cells);
+    report.min_height = std::min(report.min_height, part.min_height);
+    report.max_height = std::max(report.max_height, part.max_height);
+    report.max_growth = std::max(report.max_growth, part.max_growth);
   }
   return out;
 }

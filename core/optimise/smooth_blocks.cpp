@@ -15,7 +15,7 @@ std::uint8_t box_axes(const OuterShape& box, const Vec3& p) {
 
 }  // namespace
 
-BoundaryFreedom boundary_freedom(const BlockMesh& mesh, const Shell& shell) {
+BoundaryFreedom shell_freedom(const BlockMesh& mesh, const Shell& shell) {
   BoundaryFreedom out;
   std::vector<PointFreedom> per_patch(mesh.patches().size(), fixed_point);
   const auto& shape = shell.outer_shape;
@@ -48,19 +48,36 @@ BoundaryFreedom boundary_freedom(const BlockMesh& mesh, const Shell& shell) {
   return out;
 }
 
-void smooth_blocks(BlockMesh& mesh, const Shell& shell, Progress& progress) {
+BoundaryFreedom planar_freedom(const HexView& mesh) {
+  BoundaryFreedom out;
+  out.points.resize(mesh.points().size());
+  for (const BoundaryPatch& patch : mesh.patches()) {
+    for (const auto& quad : patch.quads) {
+      unsigned axes = 0;
+      for (unsigned a = 0; a < 3 && patch.type != PatchType::wall; ++a) {
+        const double at = mesh.points()[quad[0]][a];
+        const bool flat =
+            std::all_of(quad.begin(), quad.end(), [&](Index p) { return mesh.points()[p][a] == at; });
+        if (flat) axes |= 1U << a;
+      }
+      if (axes == 0) axes = PointFreedom::all_axes;
+      for (const Index p : quad) out.points[p].frozen_axes |= static_cast<std::uint8_t>(axes);
+    }
+  }
+  return out;
+}
+
+void smooth_blocks(BlockMesh& mesh, BoundaryFreedom freedom, Progress& progress) {
   UntangleSettings settings;
-  BoundaryFreedom freedom = boundary_freedom(mesh, shell);
   settings.freedom = std::move(freedom.points);
   settings.projectors = std::move(freedom.projectors);
   mesh.mutable_points() = untangle(mesh, settings, progress).points;
 }
 
-void mend_blocks(BlockMesh& mesh, const Shell& shell, Progress& progress) {
+void mend_blocks(BlockMesh& mesh, BoundaryFreedom freedom, Progress& progress) {
   const HexValidity validity = hex_validity(mesh);
   if (validity.inverted == 0 && validity.uncertified == 0) return;
   RepairSettings settings;
-  BoundaryFreedom freedom = boundary_freedom(mesh, shell);
   settings.optimise.freedom = std::move(freedom.points);
   settings.optimise.projectors = std::move(freedom.projectors);
   mesh.mutable_points() = repair_cells(mesh, settings, progress).points;

@@ -26,9 +26,13 @@ double worst_corner(const std::array<Vec3, 8>& p) {
 
 }  // namespace
 
-WallColumns wall_columns(const BlockMesh& mesh, const WallBlocks& blocks) {
+WallColumns wall_columns(const BlockMesh& mesh, const WallBlocks& blocks, Index chord) {
   WallColumns columns;
-  columns.layers = line_layers(mesh, blocks);
+  columns.layers = line_layers(mesh, blocks, chord);
+  std::vector<Index> faces;
+  for (Index f = 0; f < blocks.wall.face_count(); ++f) {
+    if (chord == no_index || seat_edge(blocks, f).chord == chord) faces.push_back(f);
+  }
   std::vector<Index> line_at(mesh.points().size(), no_index);
   const auto divisions = [&](Index f) {
     // Chords of the face's first and last side.
@@ -42,7 +46,7 @@ WallColumns wall_columns(const BlockMesh& mesh, const WallBlocks& blocks) {
     }
     return out;
   };
-  for (Index f = 0; f < blocks.wall.face_count(); ++f) {
+  for (const Index f : faces) {
     const auto n = divisions(f);
     for (Index j = 0; j <= n[1]; ++j) {
       for (Index i = 0; i <= n[0]; ++i) {
@@ -53,7 +57,7 @@ WallColumns wall_columns(const BlockMesh& mesh, const WallBlocks& blocks) {
       }
     }
   }
-  for (Index f = 0; f < blocks.wall.face_count(); ++f) {
+  for (const Index f : faces) {
     const auto n = divisions(f);
     const auto at = [&](Index i, Index j) { return line_at[line_point(mesh, blocks, {f, i, j}, 0)]; };
     for (Index j = 0; j < n[1]; ++j) {
@@ -68,6 +72,18 @@ WallColumns wall_columns(const BlockMesh& mesh, const WallBlocks& blocks) {
     }
   }
   std::sort(columns.edges.begin(), columns.edges.end());
+  columns.rim.assign(columns.lines.size(), 0);
+  const auto in_plane = [&](Index l) {
+    const Vec3& p = mesh.points()[line_point(mesh, blocks, columns.lines[l], 0)];
+    return blocks.symmetry && blocks.symmetry->distance(p) == 0;
+  };
+  for (std::size_t e = 0; e < columns.edges.size(); ++e) {
+    const bool paired = (e > 0 && columns.edges[e - 1] == columns.edges[e]) ||
+                        (e + 1 < columns.edges.size() && columns.edges[e + 1] == columns.edges[e]);
+    const auto& [a, b] = columns.edges[e];
+    if (paired || (in_plane(a) && in_plane(b))) continue;
+    columns.rim[a] = columns.rim[b] = 1;
+  }
   columns.edges.erase(std::unique(columns.edges.begin(), columns.edges.end()), columns.edges.end());
   return columns;
 }

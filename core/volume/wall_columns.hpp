@@ -13,9 +13,11 @@ struct WallColumns {
   std::vector<std::array<Index, 4>>
       faces;  ///< lines at the corners of each wall cell face, face by face of the blocks' wall, i fastest
   std::vector<std::array<Index, 2>> edges;  ///< pairs of neighbouring lines, each once, ascending
-  Index layers = 1;                         ///< cells along a line
+  std::vector<char> rim;  ///< #lines, 1 at an end of the net off any symmetry plane: other blocks share it
+  Index layers = 1;       ///< cells along a line
 };
-WallColumns wall_columns(const BlockMesh& mesh, const WallBlocks& blocks);
+/// `chord`: only the lines along it.
+WallColumns wall_columns(const BlockMesh& mesh, const WallBlocks& blocks, Index chord = no_index);
 
 /// Points of one line from the wall on.
 std::vector<Vec3> line_positions(const BlockMesh& mesh, const WallBlocks& blocks, const WallLine& line,

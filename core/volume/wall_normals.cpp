@@ -64,6 +64,7 @@ class LineTurner {
     for (std::size_t l = 0; l < normal_.size(); ++l) {
       const Vec3 along = start_[point(columns_.lines[l], 1)] - start_[point(columns_.lines[l], 0)];
       first_cell_.push_back(along.norm());
+      if (columns_.rim[l] != 0) continue;  // blocks beside the wall's share it
       if (normal_[l].norm() > 0 && along.norm() > 0) turn_[l] = normal_[l] - along.normalized();
     }
   }

@@ -25,7 +25,7 @@ struct Job {
   std::vector<int> levels{2, 3, 4};
   std::vector<double> heights{0, 1e-5};  ///< of the body's length; 0: no layers
   double growth = 1.2;
-  std::string farfield = "box";
+  std::string farfield = "box", blocks = "shell";
   int worst = 0;  ///< cells to list
 };
 
@@ -33,14 +33,19 @@ void print_row(const VolumeBody& body, int level, double height, const Job& job)
   Progress silent;
   VolumeSettings settings;
   settings.fit.levels = level;
-  settings.outer = body.outer;
-  settings.farfield.kind = job.farfield == "box" ? OuterShape::Kind::box : OuterShape::Kind::sphere;
+  FarField farfield;
+  farfield.kind = job.farfield == "box" ? OuterShape::Kind::box : OuterShape::Kind::sphere;
   settings.layers.first_height = height * body.length;
   settings.layers.growth = job.growth;
   const double start = cpu_seconds();
   fmt::print("{:<14} {:>2} {:>7.0e} ", body.name, level, height);
   try {
-    const VolumeResult r = make_volume(body.cage, body.cad, settings, silent);
+    const auto source =
+        job.blocks == "swept" ? swept_source(body.cad, {}, body.name)
+        : job.blocks == "ambient"
+            ? ambient_source(body.cad, {}, body.name, silent)
+            : shell_source(body.cage, body.outer ? &*body.outer : nullptr, farfield, body.cad.bounds());
+    const VolumeResult r = make_volume(*source, body.cad, settings, silent);
     const QualityReport& q = r.quality;
     std::string failures;
     for (const std::string& f : check_mesh_failures(q)) failures += (failures.empty() ? "" : "; ") + f;
@@ -78,6 +83,7 @@ int main(int argc, char** argv) {
   app.add_option("--levels", job.levels, "subdivision levels");
   app.add_option("--heights", job.heights, "first heights in body lengths, 0: none");
   app.add_option("--growth", job.growth, "growth ratio");
+  app.add_option("--blocks", job.blocks, "shell, swept or ambient");
   app.add_option("--farfield", job.farfield, "box or sphere");
   app.add_option("--worst", job.worst, "worst cells to list by place");
   app.add_option("--threads", threads, "threads (0: all)");

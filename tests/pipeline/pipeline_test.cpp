@@ -34,9 +34,10 @@ TEST_CASE("a sphere in a sphere: volume, patches, gates") {
   const TargetSurface& ball = *sphere;
   VolumeSettings settings;
   settings.fit.levels = 4;
-  settings.farfield = {OuterShape::Kind::sphere, 3};
+  const FarField farfield{OuterShape::Kind::sphere, 3};
   Progress silent;
-  const VolumeResult result = make_volume(cube(0.4), ball, settings, silent);
+  const VolumeResult result =
+      make_volume(*shell_source(cube(0.4), nullptr, farfield, ball.bounds()), ball, settings, silent);
   CHECK(all_hold(result.gates));
   CHECK(result.mesh.cell_count() == 6 * 4096);
   CHECK(result.quality.inverted_cells == 0);
@@ -82,11 +83,12 @@ TEST_CASE("a number of cells: the nearest level, even where the tolerance is met
   const auto sphere = sphere_surface(Vec3::Zero(), 0.5);
   const TargetSurface& ball = *sphere;
   VolumeSettings settings;
-  settings.farfield = {OuterShape::Kind::sphere, 3};
+  const FarField farfield{OuterShape::Kind::sphere, 3};
   settings.cells = 3000;  // 6 * 8^3 at level 3
   settings.fit.tolerance = 1e-2;
   Progress silent;
-  CHECK(make_volume(cube(0.4), ball, settings, silent).fit.levels.size() == 4);
+  CHECK(make_volume(*shell_source(cube(0.4), nullptr, farfield, ball.bounds()), ball, settings, silent)
+            .fit.levels.size() == 4);
 }
 
 TEST_CASE("a half model whose CAD is open in another plane than the cage is refused") {
@@ -95,12 +97,14 @@ TEST_CASE("a half model whose CAD is open in another plane than the cage is refu
   Cage cage = test::wing_cage(wing);
   VolumeSettings settings;
   settings.fit.levels = 1;
-  settings.farfield = {OuterShape::Kind::sphere, 5};
+  const FarField farfield{OuterShape::Kind::sphere, 5};
   Progress silent;
-  CHECK_NOTHROW(make_volume(cage, *target, settings, silent));
+  CHECK_NOTHROW(
+      make_volume(*shell_source(cage, nullptr, farfield, target->bounds()), *target, settings, silent));
   for (Vec3& p : cage.points) {  // the cage's root, and with it its symmetry plane, tilted by 6 degrees
     if (p.y() == 0) p.y() = 0.1 * (p.x() - 0.5 * wing.root_chord);
   }
-  CHECK_THROWS_WITH(make_volume(cage, *target, settings, silent),
-                    Catch::Contains("leaves the symmetry plane by"));
+  CHECK_THROWS_WITH(
+      make_volume(*shell_source(cage, nullptr, farfield, target->bounds()), *target, settings, silent),
+      Catch::Contains("leaves the symmetry plane by"));
 }
