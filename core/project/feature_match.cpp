@@ -186,7 +186,6 @@ FeatureMatch match_features(const SurfaceLevel& level, std::span<const Vec3> poi
   FeatureMatch result;
   const std::size_t vertex_count = static_cast<std::size_t>(level.vertex_count());
   result.chains.resize(chains.size());
-  result.strips = opposite_segments(level, chains);
   result.end_is_fixed.assign(vertex_count, false);
   result.end_position.assign(vertex_count, Vec3::Zero());
   result.end_corner.assign(vertex_count, no_index);

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "core/project/crease_chains.hpp"
-#include "core/project/strips.hpp"
 #include "core/target/target_surface.hpp"
 
 namespace flowcage {
@@ -63,9 +62,8 @@ struct FeatureMatch {
   std::vector<bool> end_is_fixed;  ///< #V: a chain end (corner, dart) whose place on the features is known
   std::vector<Vec3> end_position;  ///< #V: that place
   std::vector<Index> end_corner;   ///< #V: the target's corner there, or no_index
-  std::vector<OppositeSegments> strips;  ///< of the crease chains
-  std::vector<Index> unmatched_chains;   ///< target chains followed over less than half of their length
-  std::vector<std::string> warnings;     ///< for the user: demoted creases, pinned corners; with places
+  std::vector<Index> unmatched_chains;  ///< target chains followed over less than half of their length
+  std::vector<std::string> warnings;    ///< for the user: demoted creases, pinned corners; with places
 };
 
 /// Matches crease chains of the cage to runs along the target's feature chains (sharp ones for creases, open

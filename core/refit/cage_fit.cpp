@@ -5,7 +5,6 @@
 #include <span>
 
 #include "core/project/chain_places.hpp"
-#include "core/refit/strip_places.hpp"
 #include "core/refit/symmetric_level.hpp"
 
 namespace flowcage {
@@ -98,7 +97,6 @@ class CageFitter {
     }
     fit.level = std::make_unique<LevelSystem>(
         build_level_system(std::move(topology), chains_, cage_places(fit.match), fit.match));
-    fit.level->places = paired_places(*fit.level, fit.match, target_, fit.level->places);
     const LevelFitInput input{*fit.level, fit.match, target_, fit.planes, settings_};
     fit.fitted = fit_level(input, interpolating_start(input, cage_.points));
     const bool has_creases = std::any_of(fit.match.chains.begin(), fit.match.chains.end(),

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/base/parallel.hpp"
-#include "core/refit/strip_places.hpp"
 
 namespace flowcage {
 namespace {
@@ -81,7 +80,7 @@ ChainPlaces slid_places(const LevelSystem& level, const FeatureMatch& match, con
       slid[c] = slid_chain(level, static_cast<std::size_t>(c), match.chains[c], target, places[c], limits);
     }
   });
-  return paired_places(level, match, target, slid);
+  return slid;
 }
 
 std::vector<SurfacePoint> project_samples(const LevelSystem& level, const TargetSurface& target,

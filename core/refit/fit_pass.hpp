@@ -30,7 +30,7 @@ struct PassMode {
 
 /// The places of the chains' samples moved along their paths to the nearest of the limit points (#samples);
 /// corners at the ends stay. A chain stays as it is if neighbours would come closer than a quarter of their
-/// distance, or of that at the level's start, and where its path turns corners. Then paired_places.
+/// distance, or of that at the level's start, and where its path turns corners.
 ChainPlaces slid_places(const LevelSystem& level, const FeatureMatch& match, const TargetSurface& target,
                         const ChainPlaces& places, std::span<const Vec3> limits);
 

@@ -2,14 +2,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 
 #include "core/cage/read_cage.hpp"
 #include "core/project/feature_match.hpp"
 #include "core/refit/fit_surface.hpp"
-#include "core/refit/strip_places.hpp"
 #include "occ_bridge/cad_model.hpp"
 #include "occ_bridge/shapes.hpp"
 #include "tests/catch.hpp"
@@ -133,35 +131,6 @@ TEST_CASE("cages so rough that upper and lower side or the nose's vertex are mis
     CHECK(fit.unmatched_chains.empty());
     CHECK(fit.max_deviation < 3 * plain);
   }
-}
-
-TEST_CASE("places on both edges of a narrow strip are laid square to each other", "[fit][cad]") {
-  const FitBody body = make_fit_body("wing_thin_base");
-  const SurfaceLevel topology = build_surface_level(body.cage);
-  const std::vector<CreaseChain> chains = crease_chains(topology);
-  const FeatureMatch match = match_features(topology, body.cage.points, chains, body.cad);
-  LevelSystem level = build_level_system(topology, chains, cage_places(match), match);
-  // The two edges of the base are the chains of three segments.
-  std::vector<std::size_t> edges;
-  for (std::size_t c = 0; c < chains.size(); ++c) {
-    if (chains[c].segment_count() == 3) edges.push_back(c);
-  }
-  REQUIRE(edges.size() == 2);
-  const auto slip = [&](const ChainPlaces& places) {
-    double worst = 0;
-    for (std::size_t k = 1; k < 6; ++k) {
-      std::array<CurvePoint, 2> at;
-      for (const std::size_t i : {0U, 1U}) {
-        at[i] = point_on_path(body.cad, match.chains[edges[i]].path, places[edges[i]][k]);
-      }
-      worst = std::max(worst, std::abs((at[1].position - at[0].position).dot(at[0].tangent)));
-    }
-    return worst;
-  };
-  for (std::size_t k = 1; k < 6; ++k) level.places[edges[0]][k] += 0.02;
-  CHECK(slip(level.places) > 0.015);
-  const ChainPlaces paired = paired_places(level, match, body.cad, level.places);
-  CHECK(slip(paired) < 1e-6);
 }
 
 TEST_CASE("ONERA M6 half wing: sharp trailing edge into a rounded tip", "[fit][cad]") {
