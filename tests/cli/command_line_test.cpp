@@ -119,9 +119,8 @@ TEST_CASE("wrong usage: exit 2 and what was meant") {
 }
 
 TEST_CASE("options and commands of later versions are refused, not ignored") {
-  for (const Strings& option :
-       {Strings{"--config", "x.toml"}, Strings{"--report", "x.html"}, Strings{"--yplus", "1"},
-        Strings{"--farfield", "bullet"}}) {
+  for (const Strings& option : {Strings{"--config", "x.toml"}, Strings{"--report", "x.html"},
+                                Strings{"--yplus", "1"}, Strings{"--farfield", "bullet"}}) {
     const ProgramRun run = run_flowcage({"mesh", "a.step", option[0], option[1], "-o", "x"});
     check_error(run, 2, "not in this version", "");
     CHECK_THAT(run.err, contains_text(option[0]));
@@ -285,8 +284,8 @@ TEST_CASE("surface and mesh: wrong usage and unusable input, before any long wor
   };
   for (const char* command : {"surface", "mesh"}) {
     const std::string out = std::string(command) == "mesh" ? "x.vtu" : "x.obj";
-    const Strings alone = std::string(command) == "mesh" ? Strings{"--blocks", "shell", "-o", out}
-                                                         : Strings{"-o", out};
+    const Strings alone =
+        std::string(command) == "mesh" ? Strings{"--blocks", "shell", "-o", out} : Strings{"-o", out};
     check_error(run(command, alone), 2, "--cage is missing", "--cage FILE");
     check_error(run(command, {"--cage", "missing.obj", "-o", out}), 3, "missing.obj: cannot read", "");
     check_error(run(command, {"--cage", "bad.obj", "-o", out}), 3, "bad.obj:3: face 1 has vertex 2", "");

@@ -60,7 +60,9 @@ TEST_CASE("STEP: every instance of a part stands where it belongs, in any unit")
     CAPTURE(unit);
     const std::string file = scratch.file("airliner.step");
     write_tagged(airliner(), file, unit);
-    const CadModel model = read_files({file}, {.unite = false});  // the nacelles touch the wing
+    CadReadSettings settings;
+    settings.unite = false;  // the nacelles touch the wing
+    const CadModel model = read_files({file}, settings);
     CHECK(model.summary().solids == 3);
     CHECK(model.summary().closed());
     CHECK(model.face_count() == 6 + 2 * 3);
