@@ -109,10 +109,14 @@ void check_route(const Options& options) {
         ErrorKind::usage, "a shell of blocks needs a cage, and --cage is missing",
         "draw a cage (docs/cages.md) and give it with --cage FILE, or leave out --blocks shell and --outer");
   }
-  if (drawn && (options.blocks == "swept" || options.blocks == "ambient" || options.flow == "internal")) {
+  if (options.flow == "internal") {
+    throw Error(ErrorKind::usage, "--flow internal: mesh of internal flow is not in this version",
+                "`flowcage cage --flow internal` proposes its blocks");
+  }
+  if (drawn && (options.blocks == "swept" || options.blocks == "ambient")) {
     throw Error(ErrorKind::usage,
                 fmt::format("--cage {} is for a shell of blocks round the body", options.cage),
-                "leave out --cage, or --blocks and --flow");
+                "leave out --cage or --blocks");
   }
 }
 
@@ -139,7 +143,6 @@ std::unique_ptr<BlockSource> block_source(const Options& options, const FitInput
     }
   }
   AmbientSettings settings;
-  settings.internal = options.flow == "internal";
   settings.farfield_size = options.farfield_size;
   if (options.cage_size) settings.cage_size = *options.cage_size * metres_per_unit(options.unit);
   return ambient_source(inputs.cad, settings, name, progress);

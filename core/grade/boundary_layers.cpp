@@ -144,7 +144,6 @@ class MeanLine {
     while (exact_ < cells() && sigma_[exact_ + 1] - sigma_[exact_] < thin * lengths_[1]) ++exact_;
     const double reach = lengths_[std::min(n, blended)];
     end_ = static_cast<Index>(std::lower_bound(sigma_.begin(), sigma_.end(), reach) - sigma_.begin());
-    least_step_ = 0.9 * std::log(settings.growth);
   }
 
   Index cells() const { return static_cast<Index>(sigma_.size()) - 1; }
@@ -160,14 +159,15 @@ class MeanLine {
     }
     s.back() = own.back();
     if (exact_ == 0) return s;
-    // Where log rho has fallen to 0: the way there may not use up the growth.
+    // log rho falls to 0 with the logarithm of the length, smoothly and so slowly that the lengths keep
+    // rising.
     const double rho = std::log(lean * sigma_[exact_] / s[exact_]);
-    const Index needed = exact_ + static_cast<Index>(std::ceil(std::abs(rho) / least_step_));
-    const Index end = std::min(std::max(end_, needed), cells());
-    for (Index k = 1; k < end; ++k) {
-      const double left =
-          static_cast<double>(end - k) / static_cast<double>(std::max<Index>(1, end - exact_));
-      s[k] = k <= exact_ ? lean * sigma_[k] : s[k] * std::exp(rho * left);
+    const double start = std::log(s[exact_]);
+    const double range =
+        std::min(std::max(std::log(s[end_]) - start, 3 * std::abs(rho)), std::log(s.back()) - start);
+    for (Index k = 1; k < cells(); ++k) {
+      const double x = range > 0 ? std::clamp((std::log(s[k]) - start) / range, 0.0, 1.0) : 1;
+      s[k] = k <= exact_ ? lean * sigma_[k] : s[k] * std::exp(rho * (1 - x * x * (3 - 2 * x)));
     }
     return s;
   }
@@ -175,7 +175,6 @@ class MeanLine {
  private:
   std::vector<double> lengths_, sigma_;
   Index exact_ = 0, end_ = 0;  ///< cells that are the same on all lines; where they follow their own
-  double least_step_ = 0;
 };
 
 /// What a leaning line's first cell is enlarged by.

@@ -28,9 +28,9 @@ struct LayerReport {
 /// layers) and carried to each line by the layer coordinate: with sigma(k) the mean line's new lengths and
 /// t(k) = S^-1(sigma(k)), line i has
 ///   s_i(k) = S_i(t(k)) rho_i(k),   rho_i(k) = sigma(k) / S_i(t(k)) as long as cells are thin,
-/// from there log rho_i falls evenly to 0 within three of the mesh's own layers. So all lines have
-/// the same first cells, outer layers stay as smooth as they are, and the growth differs little between
-/// lines. A line leaves the wall along its normal where it did not lean by more than 60 degrees.
+/// from there log rho_i falls to 0 with log S_i, within three of the mesh's own layers or more slowly. So all
+/// lines have the same first cells, outer layers stay as smooth as they are, and the growth differs little
+/// between lines. A line leaves the wall along its normal where it did not lean by more than 60 degrees.
 ///
 /// The first height is a distance from the wall: along a line that leans, it is divided by the least cosine
 /// to the wall's normals, up to 1.19, the root of the factor at a concave right angle, where distance and

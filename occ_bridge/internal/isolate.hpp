@@ -7,8 +7,8 @@
 namespace flowcage::occ {
 
 struct IsolationSettings {
-  std::string file;   ///< what errors name
-  std::string stage;  ///< what progress shows
+  std::string file;            ///< what errors name
+  std::string stage;           ///< what progress shows
   double limit_seconds = 300;  ///< of the child's processor time; tenfold on the clock
 };
 

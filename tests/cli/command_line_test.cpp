@@ -119,8 +119,9 @@ TEST_CASE("wrong usage: exit 2 and what was meant") {
 }
 
 TEST_CASE("options and commands of later versions are refused, not ignored") {
-  for (const Strings& option : {Strings{"--config", "x.toml"}, Strings{"--report", "x.html"},
-                                Strings{"--yplus", "1"}, Strings{"--farfield", "bullet"}}) {
+  for (const Strings& option :
+       {Strings{"--config", "x.toml"}, Strings{"--report", "x.html"}, Strings{"--yplus", "1"},
+        Strings{"--farfield", "bullet"}, Strings{"--flow", "internal"}}) {
     const ProgramRun run = run_flowcage({"mesh", "a.step", option[0], option[1], "-o", "x"});
     check_error(run, 2, "not in this version", "");
     CHECK_THAT(run.err, contains_text(option[0]));

@@ -247,7 +247,8 @@ TEST_CASE("enough layers for a gentle growth") {
     const Index layers = layers_for_growth(shell, refinements, 1.25);
     for (const Index n : {layers, layers - 1}) {
       if (n == 0) continue;
-      const auto cells = geometric_cells(40 - std::sqrt(3.0), n << refinements, 2.0 / (1 << refinements), 100);
+      const auto cells =
+          geometric_cells(40 - std::sqrt(3.0), n << refinements, 2.0 / (1 << refinements), 100);
       const double growth = cells[3] / cells[2];
       CHECK((growth <= 1.25) == (n == layers));
     }
