@@ -23,12 +23,38 @@ bool clearly_better(const LevelFitResult& a, const LevelFitResult& b) {
                                           : a.best.score() < drawn_credit * b.best.score();
 }
 
+/// Vertices that hang together with one whose place is given, through edges.
+std::vector<char> anchored_vertices(const LevelSystem& level) {
+  const SurfaceLevel& t = level.topology;
+  std::vector<char> anchored(t.vertex_count(), 0);
+  std::vector<Index> front;
+  for (Index v = 0; v < t.vertex_count(); ++v) {
+    if (level.kind[v] == SampleKind::surface) continue;
+    anchored[v] = 1;
+    front.push_back(v);
+  }
+  while (!front.empty()) {
+    const Index v = front.back();
+    front.pop_back();
+    for (const Index e : t.vertex_edges[v]) {
+      for (const Index w : t.edge_vertices[e]) {
+        if (anchored[w] != 0) continue;
+        anchored[w] = 1;
+        front.push_back(w);
+      }
+    }
+  }
+  return anchored;
+}
+
 /// The cage with crease vertices at their places and the others drawn to the mean of their neighbours in a
-/// few sweeps: enough to bring vertices back that noise has thrown over a crease.
+/// few sweeps: enough to bring vertices back that noise has thrown over a crease. Parts without a crease
+/// stay: nothing would hold them from shrinking.
 std::vector<Vec3> evened_points(const LevelFitInput& input, std::vector<Vec3> points) {
   constexpr int sweeps = 10;
   const LevelSystem& level = input.level;
   const SurfaceLevel& t = level.topology;
+  const std::vector<char> anchored = anchored_vertices(level);
   std::vector<Index> free;
   for (Index v = 0; v < t.vertex_count(); ++v) {
     if (level.kind[v] == SampleKind::fixed) {
@@ -37,7 +63,7 @@ std::vector<Vec3> evened_points(const LevelFitInput& input, std::vector<Vec3> po
       const Index c = level.sample_chain[v];
       const double s = level.places[c][level.sample_on_chain[v]];
       points[v] = point_on_path(input.target, input.match.chains[c].path, s).position;
-    } else if (level.kind[v] == SampleKind::surface) {
+    } else if (level.kind[v] == SampleKind::surface && anchored[v] != 0) {
       free.push_back(v);
     }
   }
