@@ -51,6 +51,14 @@ CadReadSettings cad_settings(const Options& options) {
   return settings;
 }
 
+AmbientSettings ambient_settings(const Options& options) {
+  AmbientSettings settings;
+  settings.internal = options.flow == "internal";
+  settings.farfield_size = options.farfield_size;
+  if (options.cage_size) settings.cage_size = *options.cage_size * metres_per_unit(options.unit);
+  return settings;
+}
+
 Cage read_cage_in_metres(const std::string& file, double unit) {
   return scale_cage(read_cage(file), unit);
 }

@@ -29,6 +29,9 @@ FitInputs read_fit_inputs(const Options& options, Progress& progress);
 /// How the options want CAD to be read.
 CadReadSettings cad_settings(const Options& options);
 
+/// How the options want automatic blocks to be made.
+AmbientSettings ambient_settings(const Options& options);
+
 /// A cage file in metres; unit as read_fit_inputs found it.
 Cage read_cage_in_metres(const std::string& file, double unit);
 

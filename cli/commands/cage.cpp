@@ -35,14 +35,6 @@ void write_blocks(std::ostream& out, const HexComplex& complex, double scale, Pr
   }
 }
 
-AmbientSettings ambient_settings(const Options& options) {
-  AmbientSettings settings;
-  settings.internal = options.flow == "internal";
-  settings.farfield_size = options.farfield_size;
-  if (options.cage_size) settings.cage_size = *options.cage_size * metres_per_unit(options.unit);
-  return settings;
-}
-
 /// What a user must know before the cage is used: checks that failed, blocks that are inverted.
 std::vector<Gate> gates_of(const PlacedBlocks& placed) {
   std::vector<Gate> gates;

@@ -133,19 +133,16 @@ std::unique_ptr<BlockSource> block_source(const Options& options, const FitInput
     return shell_source(inputs.cage, outer ? &*outer : nullptr, farfield, inputs.cad.bounds());
   }
   const std::string& name = options.inputs.front();
-  if (options.blocks == "swept" || (options.blocks == "auto" && options.flow == "external")) {
+  if (options.blocks != "ambient") {
     progress.step("blocks", 0);
     try {
       return swept_source(inputs.cad, {options.farfield_size}, name);
     } catch (const Error& e) {
-      if (options.blocks == "swept" || e.kind() == ErrorKind::interrupted) throw;
+      if (options.blocks == "swept" || e.kind() != ErrorKind::input) throw;
       progress.step(fmt::format("no swept body ({}): ambient blocks", e.what()), 0);
     }
   }
-  AmbientSettings settings;
-  settings.farfield_size = options.farfield_size;
-  if (options.cage_size) settings.cage_size = *options.cage_size * metres_per_unit(options.unit);
-  return ambient_source(inputs.cad, settings, name, progress);
+  return ambient_source(inputs.cad, ambient_settings(options), name, progress);
 }
 
 VolumeSettings volume_settings(const Options& options, const FitInputs& inputs) {
@@ -245,10 +242,6 @@ void warn_of_first_height(const Options& options, const LayerReport& layers, Pro
 int run_mesh(const Options& options, Progress& progress) {
   const Clock::time_point start = Clock::now();
   for (const std::string& name : options.outputs) format_of(name);
-  if (options.flow == "internal") {
-    throw Error(ErrorKind::usage, "--flow internal is not in this version of mesh",
-                "flowcage cage --flow internal proposes blocks");
-  }
   check_route(options);
   const FitInputs inputs = read_fit_inputs(options, progress);
   if (inputs.drawn) check_symmetry(options, inputs.cage);

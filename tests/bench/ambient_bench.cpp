@@ -12,6 +12,7 @@
 #include "core/cage/write_cage.hpp"
 #include "core/export/write_vtu.hpp"
 #include "core/quality/jacobian.hpp"
+#include "tests/bench/cpu_seconds.hpp"
 #include "tests/blocks/ambient_bodies.hpp"
 
 using namespace flowcage;
@@ -19,12 +20,6 @@ using namespace flowcage::test;
 namespace fs = std::filesystem;
 
 namespace {
-
-double cpu_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 struct Job {
   std::vector<std::string> bodies, files;

@@ -3,11 +3,11 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
-#include <ctime>
 
 #include "core/base/error.hpp"
 #include "core/base/parallel.hpp"
 #include "core/refit/fit_surface.hpp"
+#include "tests/bench/cpu_seconds.hpp"
 #include "tests/refit/fit_bodies.hpp"
 #include "tests/refit/hand_drawn_cages.hpp"
 
@@ -15,12 +15,6 @@ using namespace flowcage;
 using namespace flowcage::test;
 
 namespace {
-
-double cpu_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 struct Job {
   std::vector<std::string> bodies;

@@ -2,24 +2,18 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
-#include <ctime>
 #include <fstream>
 
 #include "core/base/error.hpp"
 #include "core/export/write_vtu.hpp"
 #include "core/quality/quality_report.hpp"
+#include "tests/bench/cpu_seconds.hpp"
 #include "tests/blocks/swept_bodies.hpp"
 
 using namespace flowcage;
 using namespace flowcage::test;
 
 namespace {
-
-double cpu_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 void print_body(const SweptBody& body) {
   constexpr std::array<const char*, 3> ends{"open", "flat", "rounded"};

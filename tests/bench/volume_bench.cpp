@@ -2,23 +2,16 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
-#include <ctime>
-
 #include "core/base/error.hpp"
 #include "core/base/parallel.hpp"
 #include "core/pipeline.hpp"
+#include "tests/bench/cpu_seconds.hpp"
 #include "tests/volume/volume_bodies.hpp"
 
 using namespace flowcage;
 using namespace flowcage::test;
 
 namespace {
-
-double cpu_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 struct Job {
   std::vector<std::string> bodies;
