@@ -153,15 +153,15 @@ std::string run_isolated(const std::function<std::string()>& work, const Isolati
     constexpr int milliseconds = 50;
     const int ready = poll(&waiting, 1, milliseconds);
     progress.step(settings.stage, 0.0);
-    if (ready <= 0) {
-      const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
-      const bool in_time = child.processor_seconds() < settings.limit_seconds &&
-                           passed.count() < longest_on_the_clock * settings.limit_seconds;
-      if (in_time) continue;
+    // Also when something came: what is over its limit is over it, however soon it was done after that.
+    const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
+    if (child.processor_seconds() > settings.limit_seconds ||
+        passed.count() > longest_on_the_clock * settings.limit_seconds) {
       throw input_error(settings.file, 0,
                         fmt::format("reading it takes more than {:g} s", settings.limit_seconds),
                         "the file may be damaged: repair it or export it again from the CAD system");
     }
+    if (ready <= 0) continue;
     std::array<char, 65536> buffer{};
     const ssize_t count = read(from.number(), buffer.data(), buffer.size());
     if (count < 0 && (errno == EINTR || errno == EAGAIN)) continue;
