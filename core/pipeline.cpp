@@ -13,6 +13,7 @@
 #include "core/mesh/hex_adjacency.hpp"
 #include "core/optimise/smooth_blocks.hpp"
 #include "core/subdivide/refine.hpp"
+#include "core/volume/leaning_lines.hpp"
 #include "core/volume/refine_volume.hpp"
 #include "core/volume/wall_lines.hpp"
 #include "core/volume/wall_normals.hpp"
@@ -212,6 +213,8 @@ GradedMesh graded_mesh(const BlockSource& source, const VolumeSettings& settings
   progress.step("spacing", 0.5);
   if (settings.layers.first_height > 0) {
     mesh = insert_boundary_layers(mesh, source.blocks(), settings.layers, result.layers);
+  } else {
+    shorten_leaning_lines(mesh, source.blocks());
   }
   mend_blocks(mesh, source.freedom(mesh), progress);
   result.validity = hex_validity(mesh);

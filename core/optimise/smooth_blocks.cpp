@@ -78,6 +78,7 @@ void mend_blocks(BlockMesh& mesh, BoundaryFreedom freedom, Progress& progress) {
   const HexValidity validity = hex_validity(mesh);
   if (validity.inverted == 0 && validity.uncertified == 0) return;
   RepairSettings settings;
+  settings.threshold = 0.02;  // a sharp trailing edge alone leaves a tenth: nothing that could be mended
   settings.optimise.freedom = std::move(freedom.points);
   settings.optimise.projectors = std::move(freedom.projectors);
   mesh.mutable_points() = repair_cells(mesh, settings, progress).points;

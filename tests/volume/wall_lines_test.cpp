@@ -5,7 +5,9 @@
 #include "core/mesh/visit_cells.hpp"
 #include "core/quality/jacobian.hpp"
 #include "core/subdivide/refine.hpp"
+#include "core/volume/leaning_lines.hpp"
 #include "core/volume/refine_volume.hpp"
+#include "core/volume/wall_columns.hpp"
 #include "core/volume/wall_normals.hpp"
 #include "tests/blocks/sample_cages.hpp"
 #include "tests/catch.hpp"
@@ -252,5 +254,60 @@ TEST_CASE("enough layers for a gentle growth") {
       const double growth = cells[3] / cells[2];
       CHECK((growth <= 1.25) == (n == layers));
     }
+  }
+}
+
+namespace {
+
+/// A lens of four sharp edges along z, two of them (at x = 1 and -1) with an angle of 11 degrees.
+Cage sharp_lens() {
+  Cage cage = sample::prism_cage(4, 1, 1);
+  for (Vec3& p : cage.points) p.y() *= 0.1;
+  for (Index f = 0; f < static_cast<Index>(cage.faces.size()); ++f) {
+    const auto face = cage.faces[f];
+    for (std::size_t c = 0; c < face.size(); ++c) {
+      const auto [low, high] = std::minmax(face[c], face[(c + 1) % face.size()]);
+      const bool there = std::any_of(cage.creases.begin(), cage.creases.end(),
+                                     [&](const auto& e) { return e.a == low && e.b == high; });
+      if (!there) cage.creases.push_back({low, high, 10});
+    }
+  }
+  return cage;
+}
+
+}  // namespace
+
+TEST_CASE("lines that lean over the faces beside a sharp edge start with short cells") {
+  Refined lens(build_shell(sharp_lens(), sample::prism_cage(4, 12, 8)), 2);
+  place_boundary(lens.mesh, lens.shell, lens.level, {lens.wall, lens.outer});
+  turn_lines_to_wall(lens.mesh, lens.shell, {});
+  const WallColumns columns = wall_columns(lens.mesh, lens.shell);
+  const std::vector<float> before = column_values(lens.mesh, lens.shell, columns);
+  const std::vector<Vec3> start(lens.mesh.points().begin(), lens.mesh.points().end());
+  const LeanSettings settings;
+  CHECK(shorten_leaning_lines(lens.mesh, lens.shell, settings) > 0);
+
+  const std::vector<float> after = column_values(lens.mesh, lens.shell, columns);
+  for (std::size_t n = 0; n < after.size(); ++n) {
+    CAPTURE(n);
+    CHECK(after[n] >= std::min(settings.good_enough, settings.keep * before[n]) * (1 - 1e-6));
+  }
+  const auto at = [&](Index l, Index k) { return line_point(lens.mesh, lens.shell, columns.lines[l], k); };
+  double worst_before = 0, worst = 0;  // shift of the first cell in lengths of the wall's edge behind
+  for (const auto& [a, b] : columns.edges) {
+    for (const auto& [foot, behind] : {std::pair{a, b}, std::pair{b, a}}) {
+      const Vec3 edge = lens.mesh.points()[at(foot, 0)] - lens.mesh.points()[at(behind, 0)];
+      const auto shift = [&](const Vec3& end) {
+        return (end - lens.mesh.points()[at(foot, 0)]).dot(edge) / edge.squaredNorm();
+      };
+      worst_before = std::max(worst_before, shift(start[at(foot, 1)]));
+      worst = std::max(worst, shift(lens.mesh.points()[at(foot, 1)]));
+    }
+  }
+  CHECK(worst_before > 4);
+  CHECK(worst < 2.7);  // most_lean but for lines whose cells would lose too much
+  for (Index l = 0; l < static_cast<Index>(columns.lines.size()); ++l) {
+    CHECK(lens.mesh.points()[at(l, 0)] == start[at(l, 0)]);
+    CHECK(lens.mesh.points()[at(l, columns.layers)] == start[at(l, columns.layers)]);
   }
 }
