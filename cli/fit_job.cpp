@@ -48,6 +48,14 @@ CadReadSettings cad_settings(const Options& options) {
   settings.include = options.include;
   settings.exclude = options.exclude;
   settings.unite = options.unite;
+  const auto name = [&](const std::string& opening, const std::vector<std::string>& patterns) {
+    for (std::size_t n = 0; n < patterns.size(); ++n) {
+      const std::string number = patterns.size() > 1 ? fmt::format("_{}", n + 1) : "";
+      settings.named.push_back({opening + number, patterns[n], opening});
+    }
+  };
+  name("inlet", options.inlet);
+  name("outlet", options.outlet);
   return settings;
 }
 

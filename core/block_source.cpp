@@ -179,11 +179,39 @@ class SweptSource final : public BlockSource {
   SweptBlocks swept_;
 };
 
+/// The wall of a fluid inside of the CAD is seen from the side that the CAD's normals leave, its cage from
+/// the other: the same faces, each the other way round from the same first corner.
+Cage turned(Cage cage) {
+  for (Index f = 0; f < cage.faces.size(); ++f) {
+    const auto face = cage.faces[f];
+    std::reverse(face.begin() + 1, face.end());
+  }
+  return cage;
+}
+
+/// Vertex of a level of a cage of quads for each vertex of the turned cage's level. Child i of a face has its
+/// corner i; turned, corner c is corner (4 - c) mod 4.
+std::vector<Index> turned_vertices(const SurfaceLevel& cut, const SurfaceLevel& level) {
+  const auto other = [](Index c) { return (4 - c) % 4; };
+  std::vector<Index> out(cut.vertex_count(), no_index);
+  for (Index f = 0; f < cut.face_count(); ++f) {
+    Index g = f >> (2 * cut.depth);
+    for (int d = cut.depth - 1; d >= 0; --d) g = 4 * g + other(f >> (2 * d) & 3);
+    for (int c = 0; c < 4; ++c) out[cut.face_vertices[f][c]] = level.face_vertices[g][other(c)];
+  }
+  return out;
+}
+
 class AmbientSource final : public BlockSource {
  public:
   explicit AmbientSource(AmbientBlocks ambient, const std::string& name) : ambient_(std::move(ambient)) {
-    blocks_ = seat_blocks(std::make_shared<const HexComplex>(ambient_.complex),
-                          build_surface_level(ambient_.cage), ambient_.vertex_corner, name);
+    const auto complex = std::make_shared<const HexComplex>(ambient_.complex);
+    const auto seated = [&](const Cage& cage) {
+      return seat_blocks(complex, build_surface_level(cage), ambient_.vertex_corner, name);
+    };
+    blocks_ = seated(ambient_.cage);
+    turned_ = !seen_from_block(blocks_, 0);
+    if (turned_) blocks_ = seated(turned(ambient_.cage));
     blocks_.symmetry = find_symmetry_plane(blocks_.wall, ambient_.cage.points, name);
   }
 
@@ -202,11 +230,15 @@ class AmbientSource final : public BlockSource {
     place_boundary(mesh, blocks_, blocks_.wall, {fit.levels[0].control_points, {}});
     return mesh;
   }
+  std::vector<Index> fit_vertices(const SurfaceLevel& cut, const SurfaceLevel& level) const override {
+    return turned_ ? turned_vertices(cut, level) : BlockSource::fit_vertices(cut, level);
+  }
   BoundaryFreedom freedom(const BlockMesh& mesh) const override { return planar_freedom(mesh); }
 
  private:
   AmbientBlocks ambient_;
   WallBlocks blocks_;
+  bool turned_ = false;
 };
 
 }  // namespace

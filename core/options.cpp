@@ -292,7 +292,15 @@ std::vector<OptionSpec> make_table() {
        texts(without(row("exclude", "PATTERN", fitting | cage | inspect,
                          "leave out the faces that match; may be repeated"),
                      "none"),
-             &Options::exclude)});
+             &Options::exclude),
+       texts(
+           without(row("inlet", "PATTERN", mesh | cage | inspect,
+                       "the faces that match are an inlet, each use one of its own; their borders are kept"),
+                   "faces named inlet or inflow"),
+           &Options::inlet),
+       texts(without(row("outlet", "PATTERN", mesh | cage | inspect, "the same for outlets"),
+                     "faces named outlet or outflow"),
+             &Options::outlet)});
   group("Units",
         {choice(row("unit", "m|mm|in|ft", fitting | cage, "unit of the output"), &Options::unit),
          choice(without(row("cad-unit", "m|mm|in|ft", fitting | cage | inspect,

@@ -42,7 +42,7 @@ struct Options {
   std::optional<double> first_height, growth, yplus, reynolds, length;
   std::optional<int> layers;
 
-  std::vector<std::string> include, exclude;  ///< patterns of faces
+  std::vector<std::string> include, exclude, inlet, outlet;  ///< patterns of faces
 
   std::string unit = "m";
   std::string cad_unit, cage_unit;

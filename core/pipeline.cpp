@@ -11,6 +11,7 @@
 #include "core/limit/evaluate.hpp"
 #include "core/limit/limit_stencils.hpp"
 #include "core/mesh/hex_adjacency.hpp"
+#include "core/mesh/opening_names.hpp"
 #include "core/optimise/smooth_blocks.hpp"
 #include "core/subdivide/refine.hpp"
 #include "core/volume/leaning_lines.hpp"
@@ -252,6 +253,14 @@ std::vector<PatchSummary> summarise_patches(const BlockMesh& mesh, const WallBlo
   return summaries;
 }
 
+// Inlets and outlets are walls while the blocks follow the CAD there; the solver sees what they are.
+void name_openings(BlockMesh& mesh) {
+  for (std::size_t p = 0; p < mesh.patches().size(); ++p) {
+    if (mesh.patches()[p].type != PatchType::wall) continue;
+    mesh.set_patch_type(p, patch_type_of_name(mesh.patches()[p].name));
+  }
+}
+
 Gate inversion_gate(const QualityReport& quality) {
   const auto& worst = quality.scaled_jacobian.worst;
   return make_gate("inverted_cells", 0, static_cast<double>(quality.inverted_cells),
@@ -341,6 +350,7 @@ VolumeResult make_volume(const BlockSource& source, const TargetSurface& target,
   for (std::size_t v = 0; v < wall.size(); ++v) {
     deviation[wall[v]] = wall_deviation[graded.shaped.fit_vertex[v]];
   }
+  name_openings(mesh);
   const double diagonal = target.diagonal();
   TopologyBound bound = topology_bound(mesh);
   QualityReport quality = measure_quality(mesh, build_hex_adjacency(mesh), {}, &progress);

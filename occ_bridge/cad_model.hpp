@@ -27,6 +27,11 @@ struct CadReadSettings {
   /// Which faces are taken, by name, layer, colour or number (docs/cad.md): those that match an `include`
   /// (all where there is none) and no `exclude`.
   std::vector<std::string> include{}, exclude{};
+  /// Patch names that the user gives to faces, each with such a pattern and the option that gave it.
+  struct NamedFaces {
+    std::string name, pattern, option;
+  };
+  std::vector<NamedFaces> named{};
 };
 
 /// A face and what the files say of it; "" where they say nothing.

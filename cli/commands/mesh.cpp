@@ -109,9 +109,10 @@ void check_route(const Options& options) {
         ErrorKind::usage, "a shell of blocks needs a cage, and --cage is missing",
         "draw a cage (docs/cages.md) and give it with --cage FILE, or leave out --blocks shell and --outer");
   }
-  if (options.flow == "internal") {
-    throw Error(ErrorKind::usage, "--flow internal: mesh of internal flow is not in this version",
-                "`flowcage cage --flow internal` proposes its blocks");
+  const bool internal = options.flow == "internal";
+  if (internal && (drawn || options.blocks == "swept" || options.blocks == "shell")) {
+    throw Error(ErrorKind::usage, "--flow internal: blocks inside of the CAD are ambient ones",
+                "leave out --cage and --blocks");
   }
   if (drawn && (options.blocks == "swept" || options.blocks == "ambient")) {
     throw Error(ErrorKind::usage,
@@ -133,7 +134,7 @@ std::unique_ptr<BlockSource> block_source(const Options& options, const FitInput
     return shell_source(inputs.cage, outer ? &*outer : nullptr, farfield, inputs.cad.bounds());
   }
   const std::string& name = options.inputs.front();
-  if (options.blocks != "ambient") {
+  if (options.blocks != "ambient" && options.flow == "external") {
     progress.step("blocks", 0);
     try {
       return swept_source(inputs.cad, {options.farfield_size}, name);

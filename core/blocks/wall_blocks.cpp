@@ -78,6 +78,16 @@ WallBlocks seat_blocks(std::shared_ptr<const HexComplex> complex, SurfaceLevel w
   return blocks;
 }
 
+bool seen_from_block(const WallBlocks& blocks, Index face) {
+  const WallSeat& seat = blocks.seats[face];
+  const auto at = [](int corner) {
+    const auto& ijk = hex_corner_ijk[corner];
+    return Vec3(ijk[0], ijk[1], ijk[2]);
+  };
+  const Vec3 foot = at(seat.foot[0]);
+  return (at(seat.foot[1]) - foot).cross(at(seat.foot[3]) - foot).dot(at(head_of(seat, 0)) - foot) > 0;
+}
+
 SeatEdge seat_edge(const WallBlocks& blocks, Index face) {
   const WallSeat& seat = blocks.seats[face];
   const int foot = seat.foot[0];

@@ -34,6 +34,9 @@ struct WallBlocks {
 WallBlocks seat_blocks(std::shared_ptr<const HexComplex> complex, SurfaceLevel wall,
                        std::span<const Index> corner, const std::string& source);
 
+/// Whether a face of the wall is counter-clockwise seen from the block that stands on it, as WallBlocks asks.
+bool seen_from_block(const WallBlocks& blocks, Index face);
+
 /// The edge of the complex that leaves the wall at a face's first corner, with its chord; `outward` when the
 /// edge runs away from the wall.
 struct SeatEdge {

@@ -57,6 +57,7 @@ class BlockMesh final : public HexView {
   Index block_count() const override { return static_cast<Index>(complex_->hexes.size()); }
   Index block_of(Offset cell) const override;
   const std::vector<BoundaryPatch>& patches() const override { return patches_; }
+  void set_patch_type(std::size_t patch, PatchType type) { patches_[patch].type = type; }
   /// First cell of a block.
   Offset block_begin(Index block) const { return cell_offset_[block]; }
 

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include "core/mesh/opening_names.hpp"
 #include "occ_bridge/internal/cad_data.hpp"
 #include "occ_bridge/internal/face_edges.hpp"
 #include "occ_bridge/internal/feature_edges.hpp"
@@ -157,8 +158,12 @@ std::shared_ptr<CadModel::Data> build_model(PreparedModel prepared, const CadRea
   warn_of_odd_size(summary);
 
   progress.step("find sharp edges", 0.0);
+  std::vector<std::string> openings;
+  for (const CadFace& face : prepared.labels) {
+    openings.push_back(patch_type_of_name(face.group) == PatchType::wall ? "" : face.group);
+  }
   const FeatureEdges edges =
-      find_feature_edges(topology, settings.crease_angle_degrees * radians, summary.warnings);
+      find_feature_edges(topology, settings.crease_angle_degrees * radians, openings, summary.warnings);
   summary.sharp_edges = edges.sharp_edges;
   summary.partly_sharp_edges = edges.partly_sharp_edges;
   summary.crowded_edges = edges.crowded_edges;

@@ -161,7 +161,7 @@ FeatureRun whole_edge(Index e, const TopoDS_Edge& edge, ChainKind kind) {
 }  // namespace
 
 FeatureEdges find_feature_edges(const FaceEdges& topology, double crease_angle,
-                                std::vector<std::string>& warnings) {
+                                std::span<const std::string> openings, std::vector<std::string>& warnings) {
   FeatureEdges result;
   std::vector<Handle(Geom_Surface)> surfaces;
   for (Index f = 0; f < topology.face_count(); ++f) surfaces.push_back(BRep_Tool::Surface(topology.face(f)));
@@ -177,6 +177,9 @@ FeatureEdges find_feature_edges(const FaceEdges& topology, double crease_angle,
       } else if (uses.size() > 2) {
         result.runs.push_back(whole_edge(e, edge, ChainKind::sharp));
         ++result.crowded_edges;
+        ++result.sharp_edges;
+      } else if (openings[uses[0].face] != openings[uses[1].face]) {
+        result.runs.push_back(whole_edge(e, edge, ChainKind::sharp));
         ++result.sharp_edges;
       } else {
         // Of a seam's two curves the edge's own orientation picks one.

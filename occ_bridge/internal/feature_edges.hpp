@@ -1,4 +1,5 @@
 #pragma once
+#include <span>
 #include <string>
 #include <vector>
 
@@ -30,8 +31,9 @@ struct FeatureEdges {
 /// The angle is sampled at 17 points an edge. Sharp at all: the edge. At none: no feature. In between: the
 /// edge stays whole where its smallest angle is above half the crease angle; otherwise it is cut where the
 /// angle passes the crease angle (bisection to 1e-6 of the parameter range), and runs or gaps of a single
-/// sample join their surroundings.
+/// sample join their surroundings. An edge between two different openings (#faces: an inlet's or outlet's
+/// name, "" of walls), or an opening and a wall, is a feature whatever its angle: a patch ends there.
 FeatureEdges find_feature_edges(const FaceEdges& topology, double crease_angle,
-                                std::vector<std::string>& warnings);
+                                std::span<const std::string> openings, std::vector<std::string>& warnings);
 
 }  // namespace flowcage::occ

@@ -131,6 +131,7 @@ PreparedModel prepare_model(std::vector<FileContent> contents, FaceLabels& label
   const FaceEdges topology = face_edges_of(model.shape);
   for (Index f = 0; f < topology.face_count(); ++f) model.labels.push_back(labels.of(topology.face(f)));
   choose_groups(model.labels);
+  name_faces(model.labels, settings.named);
   return model;
 }
 

@@ -156,6 +156,19 @@ std::vector<Pattern> patterns_of(const std::string& option, const std::vector<st
 
 }  // namespace
 
+void name_faces(std::vector<CadFace>& faces, std::span<const CadReadSettings::NamedFaces> named) {
+  std::vector<std::pair<Pattern, std::string>> names;  // before any of them becomes a group
+  for (const CadReadSettings::NamedFaces& n : named) {
+    names.emplace_back(patterns_of(n.option, {n.pattern}, faces).front(), n.name);
+  }
+  const std::vector<CadFace> before = faces;
+  for (const auto& [pattern, name] : names) {
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+      if (matches(pattern, before[f])) faces[f].group = name;
+    }
+  }
+}
+
 Index select_faces(std::vector<FileContent>& contents, const FaceLabels& labels,
                    const FaceSelection& selection) {
   if (selection.include.empty() && selection.exclude.empty()) return 0;

@@ -1,4 +1,5 @@
 #pragma once
+#include <span>
 #include <string>
 #include <vector>
 
@@ -19,5 +20,9 @@ struct FaceSelection {
 /// there is, the nearest first), and where no face is left.
 Index select_faces(std::vector<FileContent>& contents, const FaceLabels& labels,
                    const FaceSelection& selection);
+
+/// Gives the faces that match a pattern its name as their group (of several, the last). Throws Error(usage)
+/// as select_faces does.
+void name_faces(std::vector<CadFace>& faces, std::span<const CadReadSettings::NamedFaces> named);
 
 }  // namespace flowcage::occ

@@ -1,0 +1,13 @@
+#pragma once
+#include <string_view>
+
+#include "core/mesh/hex_view.hpp"
+
+namespace flowcage {
+
+/// What a patch of the CAD is by its name: inlet for "inlet" and "inflow", outlet for "outlet" and "outflow",
+/// in any case and with a number behind ("Inlet", "outlet_2", "OUTFLOW 3"), otherwise wall. Other words
+/// ("inlet_lip") are names of walls.
+PatchType patch_type_of_name(std::string_view name);
+
+}  // namespace flowcage

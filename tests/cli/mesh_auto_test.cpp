@@ -1,0 +1,80 @@
+// `flowcage mesh` without a cage, run as a user runs it.
+#include <nlohmann/json.hpp>
+
+#include <map>
+#include <numbers>
+
+#include "occ_bridge/shapes.hpp"
+#include "tests/catch.hpp"
+#include "tests/cli/run_program.hpp"
+
+using namespace flowcage;
+
+namespace {
+
+nlohmann::json json_in(const WorkFolder& folder, const std::string& name) {
+  return nlohmann::json::parse(folder.text_of(name));
+}
+
+}  // namespace
+
+TEST_CASE("mesh: a pipe's inside, with inlet and outlet") {
+  const WorkFolder folder;
+  write_cad(make_cylinder(0.3, 3), (folder.path() / "pipe.step").string(), "m");
+  const RunSettings in{.folder = folder.path()};
+  const ProgramRun run =
+      run_flowcage({"mesh", "pipe.step", "--flow", "internal", "--inlet", "face:3", "--outlet", "face:2",
+                    "--levels", "2", "-o", "pipe.vtu", "--json", "mesh.json"},
+                   in);
+  INFO(run.err);
+  REQUIRE(run.exit_code == 0);
+  const nlohmann::json mesh = json_in(folder, "mesh.json");
+  CHECK(mesh["blocks"]["route"] == "ambient");
+  CHECK(mesh["volume"]["inverted_cells"] == 0);
+  std::map<std::string, std::string> types;
+  std::map<std::string, int> faces;
+  for (const auto& patch : mesh["patches"]) {
+    types[patch["name"]] = patch["type"];
+    faces[patch["name"]] = patch["faces"];
+  }
+  CHECK(types ==
+        std::map<std::string, std::string>{{"inlet", "inlet"}, {"outlet", "outlet"}, {"wall", "wall"}});
+  CHECK(faces["inlet"] == faces["outlet"]);
+  REQUIRE(run_flowcage({"quality", "pipe.vtu", "--json", "q.json"}, in).exit_code == 0);
+  const double exact = std::numbers::pi * 0.3 * 0.3 * 3;
+  // Chords of a circle in quads of the level: a few parts in a thousand less.
+  CHECK(json_in(folder, "q.json")["volume"]["total_volume"].get<double>() == Approx(exact).epsilon(0.01));
+}
+
+TEST_CASE("mesh: layers inside of a channel stand on its walls") {
+  const WorkFolder folder;
+  write_cad(make_box({2, 1, 1}), (folder.path() / "duct.step").string(), "m");
+  const RunSettings in{.folder = folder.path()};
+  const ProgramRun run = run_flowcage({"mesh", "duct.step", "--flow", "internal", "--levels", "1",
+                                       "--first-height", "0.001", "-o", "duct.vtu", "--json", "mesh.json"},
+                                      in);
+  INFO(run.err);
+  REQUIRE(run.exit_code == 0);
+  const nlohmann::json mesh = json_in(folder, "mesh.json");
+  CHECK(mesh["volume"]["first_height"]["min"].get<double>() >= 0.001 * 0.999);
+  CHECK(mesh["volume"]["min_scaled_jacobian"].get<double>() > 0.3);
+  REQUIRE(run_flowcage({"quality", "duct.vtu", "--json", "q.json"}, in).exit_code == 0);
+  CHECK(json_in(folder, "q.json")["volume"]["total_volume"].get<double>() == Approx(2.0).epsilon(1e-12));
+}
+
+TEST_CASE("mesh: a body without a cage, and openings that match no face") {
+  const WorkFolder folder;
+  write_cad(make_sphere(0.5), (folder.path() / "ball.step").string(), "m");
+  const RunSettings in{.folder = folder.path()};
+  const ProgramRun run =
+      run_flowcage({"mesh", "ball.step", "--levels", "1", "-o", "ball.vtu", "--json", "mesh.json"}, in);
+  INFO(run.err);
+  REQUIRE(run.exit_code == 0);
+  CHECK(json_in(folder, "mesh.json")["volume"]["inverted_cells"] == 0);
+  const ProgramRun typo = run_flowcage({"mesh", "ball.step", "--inlet", "face:7", "-o", "ball.vtu"}, in);
+  CHECK(typo.exit_code == 2);
+  CHECK_THAT(typo.err, contains_text("--inlet") && contains_text("the CAD has the faces 1 to 1"));
+  const ProgramRun drawn =
+      run_flowcage({"mesh", "ball.step", "--flow", "internal", "--blocks", "swept", "-o", "ball.vtu"}, in);
+  CHECK(drawn.exit_code == 2);
+}
