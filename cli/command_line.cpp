@@ -58,7 +58,6 @@ std::string notes(const OptionSpec& row) {
     add("default: " + value);
   }
   if (row.is_flag() && row.negatable) add("default: on");
-  for (const std::string& v : row.later_values) add(v + ": not in this version");
   return text.empty() ? row.help : fmt::format("{} [{}]", row.help, text);
 }
 

@@ -167,10 +167,6 @@ OptionSpec later(OptionSpec r) {
   r.later = true;
   return r;
 }
-OptionSpec later(OptionSpec r, std::vector<std::string> values) {
-  r.later_values = std::move(values);
-  return r;
-}
 OptionSpec later_for(OptionSpec r, unsigned commands) {
   r.later_commands = commands;
   return r;
@@ -180,16 +176,11 @@ OptionSpec negatable(OptionSpec r) {
   return r;
 }
 
-/// A row that this version does not serve refuses; so do single values.
+/// A row that this version does not serve refuses.
 OptionSpec guarded(OptionSpec r) {
-  r.set = [name = r.name, all = r.later, values = r.later_values, set = r.set](Options& options,
-                                                                               const std::string& value) {
+  r.set = [name = r.name, all = r.later, set = r.set](Options& options, const std::string& value) {
     if (all) {
       throw Error(ErrorKind::usage, fmt::format("--{} is not in this version", name), "leave the option out");
-    }
-    if (std::find(values.begin(), values.end(), value) != values.end()) {
-      throw Error(ErrorKind::usage, fmt::format("--{} {} is not in this version", name, value),
-                  "choose another value, see --help");
     }
     set(options, value);
   };
@@ -215,9 +206,10 @@ std::vector<OptionSpec> make_table() {
                         "outer polyhedron (OBJ), of the inner one's topology in any numbering"),
                     "--farfield"),
             &Options::outer),
-       choice(later(row("farfield", "box|sphere|bullet", mesh, "outer boundary where there is no --outer"),
-                    {"bullet"}),
-              &Options::farfield),
+       choice(
+           row("farfield", "box|sphere|bullet", mesh,
+               "outer boundary where there is no --outer; bullet: half a sphere toward -x, then a cylinder"),
+           &Options::farfield),
        number(in_unit(row("farfield-size", "X", mesh | cage, "distance of the far field"), "body lengths"),
               &Options::farfield_size, {1, 1e6, true}),
        choice(row("blocks", "auto|shell|swept|ambient", mesh,
@@ -261,27 +253,29 @@ std::vector<OptionSpec> make_table() {
          flag(row("limit", "", subdivide,
                   "write the limit points of the vertices instead of the control points"),
               &Options::limit)});
-  group(
-      "Wall spacing",
-      {number(in_unit(without(row("first-height", "H", mesh, "height of the first cell off the wall"),
-                              "the size of the wall's cells"),
-                      "output units"),
-              &Options::first_height, {0, infinite, true}),
-       number(without(row("growth", "R", mesh,
-                          "ratio of neighbouring heights in the layers, after two equal cells"),
-                      "1.2"),
-              &Options::growth, {1, 10}),
-       number(
-           without(row("layers", "N", mesh, "layers of that growth; behind them the rest is filled evenly"),
-                   "growth follows from the distance"),
-           &Options::layers, {1, 1000}),
-       number(later(without(
-                  row("yplus", "Y", mesh, "with --reynolds and --length: computes the first height"), "off")),
-              &Options::yplus, {0, 1e6, true}),
-       number(later(without(row("reynolds", "RE", mesh, "Reynolds number of --length"), "off")),
-              &Options::reynolds, {0, 1e12, true}),
-       number(in_unit(later(without(row("length", "L", mesh, "reference length"), "off")), "output units"),
-              &Options::length, {0, infinite, true})});
+  group("Wall spacing",
+        {number(in_unit(without(row("first-height", "H", mesh, "height of the first cell off the wall"),
+                                "the size of the wall's cells"),
+                        "output units"),
+                &Options::first_height, {0, infinite, true}),
+         number(without(row("growth", "R", mesh,
+                            "ratio of neighbouring heights in the layers, after two equal cells"),
+                        "1.2"),
+                &Options::growth, {1, 10}),
+         number(
+             without(row("layers", "N", mesh, "layers of that growth; behind them the rest is filled evenly"),
+                     "growth follows from the distance"),
+             &Options::layers, {1, 1000}),
+         number(without(
+                    row("yplus", "Y", mesh,
+                        "y+ of the first points off the wall: with --reynolds and --length the first height"),
+                    "off"),
+                &Options::yplus, {0, 1e6, true}),
+         number(without(row("reynolds", "RE", mesh, "Reynolds number of --length"), "off"),
+                &Options::reynolds, {0, 1e12, true}),
+         number(in_unit(without(row("length", "L", mesh, "reference length, the chord say"), "off"),
+                        "output units"),
+                &Options::length, {0, infinite, true})});
   group(
       "Faces of the CAD",
       {texts(without(row("include", "PATTERN", fitting | cage | inspect,
@@ -398,7 +392,6 @@ std::string options_markdown() {
     std::string meaning = r.help;
     if (r.later) meaning += " (*later*)";
     if (r.later_commands != 0) meaning += fmt::format(" ({}: *later*)", command_names(r.later_commands));
-    for (const std::string& value : r.later_values) meaning += fmt::format(" (`{}`: *later*)", value);
     const std::string name =
         "--" + r.name + (r.is_flag() ? "" : " " + r.value_name) + (r.negatable ? ", --no-" + r.name : "");
     const std::string value = r.is_flag() ? (r.show(defaults) == "true" ? "on" : "off") : r.show(defaults);

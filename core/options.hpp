@@ -76,9 +76,8 @@ struct OptionSpec {
   unsigned commands = 0;        ///< bits of Command
   bool later = false;           ///< in the contract, but not in this version: refused
   unsigned later_commands = 0;  ///< those of `commands` that this version refuses it for
-  std::vector<std::string> later_values;  ///< values that this version refuses
-  bool negatable = false;                 ///< a flag with a --no- form
-  bool repeatable = false;                ///< each use adds a value
+  bool negatable = false;       ///< a flag with a --no- form
+  bool repeatable = false;      ///< each use adds a value
 
   /// Sets the value from text ("true" and "false" for flags); throws Error(usage) that names option, value
   /// and range.

@@ -15,6 +15,7 @@
 #include "core/blocks/symmetry_plane.hpp"
 #include "core/export/write_polymesh.hpp"
 #include "core/export/write_vtu.hpp"
+#include "core/grade/wall_units.hpp"
 #include "core/mesh/hex_adjacency.hpp"
 #include "core/quality/jacobian.hpp"
 
@@ -114,6 +115,11 @@ void check_route(const Options& options) {
     throw Error(ErrorKind::usage, "--flow internal: blocks inside of the CAD are ambient ones",
                 "leave out --cage and --blocks");
   }
+  if (!drawn && options.farfield != "box") {
+    throw Error(ErrorKind::usage,
+                fmt::format("--farfield {} goes with a cage; automatic blocks have a box", options.farfield),
+                "leave out --farfield, or give --cage FILE");
+  }
   if (drawn && (options.blocks == "swept" || options.blocks == "ambient")) {
     throw Error(ErrorKind::usage,
                 fmt::format("--cage {} is for a shell of blocks round the body", options.cage),
@@ -129,7 +135,9 @@ std::unique_ptr<BlockSource> block_source(const Options& options, const FitInput
     std::optional<Cage> outer;
     if (!options.outer.empty()) outer = read_cage_in_metres(options.outer, inputs.cage_unit);
     FarField farfield;
-    farfield.kind = options.farfield == "sphere" ? OuterShape::Kind::sphere : OuterShape::Kind::box;
+    farfield.kind = options.farfield == "sphere"   ? OuterShape::Kind::sphere
+                    : options.farfield == "bullet" ? OuterShape::Kind::bullet
+                                                   : OuterShape::Kind::box;
     farfield.body_lengths = options.farfield_size;
     return shell_source(inputs.cage, outer ? &*outer : nullptr, farfield, inputs.cad.bounds());
   }
@@ -144,6 +152,26 @@ std::unique_ptr<BlockSource> block_source(const Options& options, const FitInput
     }
   }
   return ambient_source(inputs.cad, ambient_settings(options), name, progress);
+}
+
+/// --yplus, --reynolds and --length as the first height that they ask for.
+Options with_first_height(Options options) {
+  if (!options.yplus) {
+    if (!options.reynolds && !options.length) return options;
+    throw Error(ErrorKind::usage, "--reynolds and --length belong to --yplus, which is missing",
+                "give --yplus, --reynolds and --length, or --first-height");
+  }
+  if (options.first_height) {
+    throw Error(ErrorKind::usage, "--yplus and --first-height both ask for a wall spacing",
+                "leave one of them out");
+  }
+  if (!options.reynolds || !options.length) {
+    throw Error(ErrorKind::usage,
+                fmt::format("--yplus needs {}", options.reynolds ? "--length" : "--reynolds and --length"),
+                "give the Reynolds number of the flow and the length that it is made with");
+  }
+  options.first_height = *options.length * first_height_of_yplus(*options.yplus, *options.reynolds);
+  return options;
 }
 
 VolumeSettings volume_settings(const Options& options, const FitInputs& inputs) {
@@ -240,8 +268,9 @@ void warn_of_first_height(const Options& options, const LayerReport& layers, Pro
 
 }  // namespace
 
-int run_mesh(const Options& options, Progress& progress) {
+int run_mesh(const Options& given, Progress& progress) {
   const Clock::time_point start = Clock::now();
+  const Options options = with_first_height(given);
   for (const std::string& name : options.outputs) format_of(name);
   check_route(options);
   const FitInputs inputs = read_fit_inputs(options, progress);

@@ -19,20 +19,17 @@ OuterShape outer_shape(const FarField& settings, const Box3& body, const ShellPa
     const SymmetryPlane& plane = *parts.symmetry;
     plane.flatten(shape.centre);
     if (plane.axis == no_index) {
-      shape.axes.col(0) = plane.normal;
-      shape.axes.col(1) = plane.normal.unitOrthogonal();
-      shape.axes.col(2) = plane.normal.cross(shape.axes.col(1));
+      // One axis across the plane; the first one, downstream, in it.
+      const Vec3 along = Vec3::UnitX() - plane.normal * plane.normal.x();
+      shape.axes.col(0) = along.norm() > 0.1 ? Vec3(along.normalized()) : plane.normal.unitOrthogonal();
+      shape.axes.col(1) = plane.normal;
+      shape.axes.col(2) = shape.axes.col(0).cross(shape.axes.col(1));
     }
   }
   const double length = body.sizes().maxCoeff();
   shape.radius = settings.body_lengths * length;
   double reach = 0;  // of the body, in the shape's own measure
-  for (const Vec3& p : parts.inner_points) {
-    const Vec3 d = p - shape.centre;
-    reach = std::max(reach, shape.kind == OuterShape::Kind::sphere
-                                ? d.norm()
-                                : (shape.axes.transpose() * d).cwiseAbs().maxCoeff());
-  }
+  for (const Vec3& p : parts.inner_points) reach = std::max(reach, shape.reach(p));
   if (!(shape.radius > 1.2 * reach)) {
     throw Error(
         ErrorKind::usage,

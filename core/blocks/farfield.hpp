@@ -11,8 +11,8 @@ struct FarField {
   double body_lengths = 20;
 };
 
-/// A shell from a cage to a sphere or box. The cage's faces are carried to the sphere by a fold-free map
-/// (blocks/spherical_embedding), to the box by projection from its centre, with the box's edges on edges of
+/// A shell from a cage to a sphere, box or bullet. The cage's faces are carried to the sphere by a fold-free map
+/// (blocks/spherical_embedding), to the others by projection from the centre, of a box, with the box's edges on edges of
 /// the mesh where the cage's connectivity allows it (blocks/box_edges); Shell::box_edges_sharp tells.
 /// `body` is the bounding box of the CAD (or of the cage, where that is empty); a half model's far field is
 /// cut by the symmetry plane. Throws Error(input) as build_shell does, and when the cage's genus is not 0 (an

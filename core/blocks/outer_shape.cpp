@@ -2,9 +2,17 @@
 
 namespace flowcage {
 
+double OuterShape::reach(const Vec3& p) const {
+  const Vec3 local = axes.transpose() * (p - centre);
+  if (kind == Kind::box) return local.cwiseAbs().maxCoeff();
+  const bool behind = kind == Kind::bullet && local.x() > 0;
+  return behind ? std::max(local.x(), std::hypot(local.y(), local.z())) : local.norm();
+}
+
 Vec3 OuterShape::project(const Vec3& p) const {
   const Vec3 d = p - centre;
   if (kind == Kind::sphere) return centre + d * (radius / d.norm());
+  if (kind == Kind::bullet) return centre + d * (radius / reach(p));
   if (axes != Eigen::Matrix3d::Identity()) {
     Vec3 local = axes.transpose() * d;
     local *= radius / local.cwiseAbs().maxCoeff();

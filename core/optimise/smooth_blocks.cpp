@@ -19,19 +19,19 @@ BoundaryFreedom shell_freedom(const BlockMesh& mesh, const Shell& shell) {
   BoundaryFreedom out;
   std::vector<PointFreedom> per_patch(mesh.patches().size(), fixed_point);
   const auto& shape = shell.outer_shape;
-  const bool sphere = shape && shape->kind == OuterShape::Kind::sphere;
+  const bool round = shape && shape->kind != OuterShape::Kind::box;
   // Cells that cross an edge of the box lose it when they move.
-  const bool box = shape && !sphere && shell.box_edges_sharp && shape->axes == Eigen::Matrix3d::Identity();
+  const bool box = shape && !round && shell.box_edges_sharp && shape->axes == Eigen::Matrix3d::Identity();
   for (std::size_t p = 0; p < per_patch.size(); ++p) {
     const PatchType type = mesh.patches()[p].type;
     if (type == PatchType::symmetry && shell.symmetry && shell.symmetry->axis != no_index) {
       per_patch[p] = in_plane(shell.symmetry->axis);
     }
-    if (type == PatchType::farfield && sphere) per_patch[p] = on_surface(0);
+    if (type == PatchType::farfield && round) per_patch[p] = on_surface(0);
     if (type == PatchType::farfield && box) per_patch[p] = {};
   }
   out.points = patch_freedom(mesh, per_patch);
-  if (sphere) {
+  if (round) {
     out.projectors.push_back([shape = *shape](std::span<const Vec3> queries, std::span<Vec3> feet) {
       for (std::size_t i = 0; i < queries.size(); ++i) feet[i] = shape.project(queries[i]);
     });

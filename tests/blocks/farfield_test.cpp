@@ -16,6 +16,7 @@ namespace {
 
 const FarField sphere{OuterShape::Kind::sphere, 10};
 const FarField box{OuterShape::Kind::box, 10};
+const FarField bullet{OuterShape::Kind::bullet, 10};
 
 SphericalEmbedding embed(const Cage& cage) {
   ShellParts parts = prepare_inner(cage);
@@ -90,10 +91,10 @@ TEST_CASE("what lies above goes up: the map is not rotated against the body") {
   for (int n = 0; n < 6; ++n) CHECK(d[n].y() == 0);
 }
 
-TEST_CASE("far-field points lie on the sphere or box, the rim in the plane to the last bit") {
+TEST_CASE("far-field points lie on the sphere, box or bullet, the rim in the plane to the last bit") {
   Cage wing = sample::wing_cage();
   for (Vec3& p : wing.points) p.y() += 0.1;
-  for (const FarField& shape : {sphere, box}) {
+  for (const FarField& shape : {sphere, box, bullet}) {
     const Shell shell = build_farfield_shell(wing, shape, Box3());
     REQUIRE(shell.outer_shape);
     const Vec3 c = shell.outer_shape->centre;
@@ -102,8 +103,13 @@ TEST_CASE("far-field points lie on the sphere or box, the rim in the plane to th
     for (int depth = 0; depth < 4; ++depth) {
       const std::vector<Vec3> points = outer_points(shell, depth, depth == 3);
       for (const Vec3& p : points) {
-        const double reach =
-            shape.kind == OuterShape::Kind::sphere ? (p - c).norm() : (p - c).cwiseAbs().maxCoeff();
+        const Vec3 d = p - c;
+        const bool ball =
+            shape.kind == OuterShape::Kind::sphere || (shape.kind == OuterShape::Kind::bullet && d.x() <= 0);
+        const double reach = ball ? d.norm()
+                             : shape.kind == OuterShape::Kind::bullet
+                                 ? std::max(d.x(), std::hypot(d.y(), d.z()))
+                                 : d.cwiseAbs().maxCoeff();
         REQUIRE(std::abs(reach - r) < 1e-13 * r);
         REQUIRE(p.y() >= 0.1);
       }

@@ -118,10 +118,18 @@ TEST_CASE("wrong usage: exit 2 and what was meant") {
   check_error(run_flowcage({"mesh", "a", "--snap", "--no-snap", "-o", "x"}), 2, "exclude", "one of them");
 }
 
+TEST_CASE("y+ needs what it is made with, and excludes a first height") {
+  check_error(run_flowcage({"mesh", "a.step", "--yplus", "1", "-o", "x"}), 2, "--reynolds and --length", "");
+  check_error(run_flowcage({"mesh", "a.step", "--yplus", "1", "--reynolds", "1e6", "-o", "x"}), 2,
+              "needs --length", "");
+  check_error(run_flowcage({"mesh", "a.step", "--length", "1", "-o", "x"}), 2, "belong to --yplus", "");
+  check_error(run_flowcage({"mesh", "a.step", "--yplus", "1", "--reynolds", "1e6", "--length", "1",
+                            "--first-height", "1e-5", "-o", "x"}),
+              2, "both ask", "leave one");
+}
+
 TEST_CASE("options and commands of later versions are refused, not ignored") {
-  for (const Strings& option :
-       {Strings{"--config", "x.toml"}, Strings{"--report", "x.html"}, Strings{"--yplus", "1"},
-        Strings{"--farfield", "bullet"}, Strings{"--flow", "internal"}}) {
+  for (const Strings& option : {Strings{"--config", "x.toml"}, Strings{"--report", "x.html"}}) {
     const ProgramRun run = run_flowcage({"mesh", "a.step", option[0], option[1], "-o", "x"});
     check_error(run, 2, "not in this version", "");
     CHECK_THAT(run.err, contains_text(option[0]));

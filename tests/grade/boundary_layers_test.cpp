@@ -1,5 +1,7 @@
 #include "core/grade/boundary_layers.hpp"
 
+#include "core/grade/wall_units.hpp"
+
 #include <cmath>
 #include <numeric>
 
@@ -118,4 +120,12 @@ TEST_CASE("on the ridges of a box the height is the length along the line") {
   const BlockMesh out = insert_boundary_layers(mesh, shell, {1e-3, 1.2, 0}, report);
   CHECK(report.min_height == Approx(1e-3).epsilon(1e-12));  // every vertex of a box is a ridge
   CHECK(report.max_height == Approx(1e-3).epsilon(1e-12));
+}
+
+TEST_CASE("first height of a y+: the flat plate of White") {
+  // Re = 1e7: c_f = 0.026 / 10, u_tau / U = sqrt(0.0013).
+  CHECK(first_height_of_yplus(1, 1e7) == Approx(1e-7 / std::sqrt(0.0013)).epsilon(1e-14));
+  CHECK(first_height_of_yplus(30, 1e7) == Approx(30 * first_height_of_yplus(1, 1e7)));
+  // Heights fall with Re^(-13/14).
+  CHECK(first_height_of_yplus(1, 1e6) / first_height_of_yplus(1, 1e7) == Approx(std::pow(10, 13.0 / 14)));
 }
