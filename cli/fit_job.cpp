@@ -6,27 +6,62 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <filesystem>
 #include <set>
 
+#include "cli/output_names.hpp"
 #include "core/cage/read_cage.hpp"
+#include "core/export/read_mesh.hpp"
 #include "core/mesh/surface_level.hpp"
 
 namespace flowcage {
+
+namespace {
+
+HexMesh scaled(const HexMesh& mesh, double unit) {
+  std::vector<Vec3> points(mesh.points().begin(), mesh.points().end());
+  for (Vec3& p : points) p *= unit;
+  std::vector<HexPoints> cells(static_cast<std::size_t>(mesh.cell_count()));
+  mesh.read_cells(0, cells);
+  return {std::move(points), std::move(cells), mesh.patches()};
+}
+
+}  // namespace
+
+double cage_unit_in_metres(const Options& options, const CadModel& cad) {
+  const double cad_unit = cad.summary().files.front().unit_in_metres;
+  return !options.cage_unit.empty() ? metres_per_unit(options.cage_unit) : cad_unit > 0 ? cad_unit : 1;
+}
+
+bool is_block_file(const std::string& name) {
+  const std::string extension = lower_extension(name);
+  return std::filesystem::path(name).filename() == "blockMeshDict" || extension == ".vtu" ||
+         extension == ".msh" || extension == ".cgns" || extension == ".su2" || extension == ".foam" ||
+         std::filesystem::is_directory(name);
+}
 
 FitInputs read_fit_inputs(const Options& options, Progress& progress) {
   const auto start = std::chrono::steady_clock::now();
   if (options.cage == "auto") {
     CadModel cad = read_cad(options.inputs, cad_settings(options), progress);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-    return {std::move(cad), false, {}, PreparedCage::Creases::none, {}, 1, seconds.count()};
+    return {.cad = std::move(cad), .drawn = false, .read_seconds = seconds.count()};
+  }
+  if (is_block_file(options.cage)) {
+    HexMesh blocks = read_mesh(options.cage);
+    CadModel cad = read_cad(options.inputs, cad_settings(options), progress);
+    const double unit = cage_unit_in_metres(options, cad);
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+    return {.cad = std::move(cad),
+            .drawn = false,
+            .blocks = scaled(blocks, unit),
+            .cage_unit = unit,
+            .read_seconds = seconds.count()};
   }
   // The cage first: it is read at once, and most likely to be wrong.
   MendedCage drawn = read_mended_cage(options.cage);
   CadModel cad = read_cad(options.inputs, cad_settings(options), progress);
-  const double cad_unit = cad.summary().files.front().unit_in_metres;
-  const double unit = !options.cage_unit.empty() ? metres_per_unit(options.cage_unit)
-                      : cad_unit > 0             ? cad_unit
-                                                 : 1;
+  const double unit = cage_unit_in_metres(options, cad);
   for (LintFinding& finding : drawn.mended) {
     progress.warn(finding.message + ": " + finding.remedy);
     for (Vec3& p : finding.places) p *= unit;
@@ -37,8 +72,12 @@ FitInputs read_fit_inputs(const Options& options, Progress& progress) {
   PreparedCage cage = prepare_cage(scale_cage(std::move(drawn.cage), unit), cad, prepare, progress);
   cage.lint.insert(cage.lint.begin(), drawn.mended.begin(), drawn.mended.end());
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-  return {std::move(cad),       true, std::move(cage.cage), cage.creases,
-          std::move(cage.lint), unit, seconds.count()};
+  return {.cad = std::move(cad),
+          .cage = std::move(cage.cage),
+          .creases = cage.creases,
+          .lint = std::move(cage.lint),
+          .cage_unit = unit,
+          .read_seconds = seconds.count()};
 }
 
 CadReadSettings cad_settings(const Options& options) {

@@ -1,10 +1,12 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "cli/json_report.hpp"
 #include "core/limit/bicubic_patches.hpp"
 #include "core/mesh/cage.hpp"
+#include "core/mesh/hex_view.hpp"
 #include "core/options.hpp"
 #include "core/pipeline.hpp"
 #include "core/refit/prepare_cage.hpp"
@@ -15,10 +17,11 @@ namespace flowcage {
 /// What the commands surface and mesh share: their inputs, gates and JSON.
 struct FitInputs {
   CadModel cad;
-  bool drawn = true;  ///< a cage was given
-  Cage cage;          ///< in metres, as the linter left it
+  bool drawn = true;                ///< a cage was given
+  Cage cage{};                      ///< in metres, as the linter left it
+  std::optional<HexMesh> blocks{};  ///< instead of a cage: the user's blocks, in metres
   PreparedCage::Creases creases = PreparedCage::Creases::none;
-  LintReport lint;       ///< places in metres
+  LintReport lint{};     ///< places in metres
   double cage_unit = 1;  ///< metres
   double read_seconds = 0;
 };
@@ -31,6 +34,12 @@ CadReadSettings cad_settings(const Options& options);
 
 /// How the options want automatic blocks to be made.
 AmbientSettings ambient_settings(const Options& options);
+
+/// The unit of cage and block files, in metres: --cage-unit, else the CAD's.
+double cage_unit_in_metres(const Options& options, const CadModel& cad);
+
+/// Whether --cage names blocks (a hex mesh file) rather than a polyhedron.
+bool is_block_file(const std::string& name);
 
 /// A cage file in metres; unit as read_fit_inputs found it.
 Cage read_cage_in_metres(const std::string& file, double unit);

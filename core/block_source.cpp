@@ -4,9 +4,12 @@
 
 #include <cmath>
 
+#include "core/blocks/assemble_blocks.hpp"
+#include "core/blocks/drawn_blocks.hpp"
 #include "core/blocks/enclosure.hpp"
 #include "core/blocks/swept_base.hpp"
 #include "core/limit/limit_stencils.hpp"
+#include "core/refit/prepare_cage.hpp"
 #include "core/subdivide/refine.hpp"
 #include "core/volume/start_swept.hpp"
 
@@ -202,9 +205,11 @@ std::vector<Index> turned_vertices(const SurfaceLevel& cut, const SurfaceLevel& 
   return out;
 }
 
-class AmbientSource final : public BlockSource {
+/// Blocks of any topology whose walls are fitted: of the ambient grid or of a file.
+class PlacedSource final : public BlockSource {
  public:
-  explicit AmbientSource(AmbientBlocks ambient, const std::string& name) : ambient_(std::move(ambient)) {
+  PlacedSource(AmbientBlocks ambient, std::string route, const std::string& name)
+      : route_(std::move(route)), ambient_(std::move(ambient)) {
     const auto complex = std::make_shared<const HexComplex>(ambient_.complex);
     const auto seated = [&](const Cage& cage) {
       return seat_blocks(complex, build_surface_level(cage), ambient_.vertex_corner, name);
@@ -215,7 +220,7 @@ class AmbientSource final : public BlockSource {
     blocks_.symmetry = find_symmetry_plane(blocks_.wall, ambient_.cage.points, name);
   }
 
-  std::string name() const override { return "ambient"; }
+  std::string name() const override { return route_; }
   const Cage& cage() const override { return ambient_.cage; }
   const WallBlocks& blocks() const override { return blocks_; }
   int fit_level() const override { return 0; }
@@ -236,10 +241,20 @@ class AmbientSource final : public BlockSource {
   BoundaryFreedom freedom(const BlockMesh& mesh) const override { return planar_freedom(mesh); }
 
  private:
+  std::string route_;
   AmbientBlocks ambient_;
   WallBlocks blocks_;
   bool turned_ = false;
 };
+
+void require_valid(const PlacedBlocks& placed, const std::string& what, const std::string& remedy) {
+  if (placed.untangle.after.inverted == 0) return;
+  throw Error(
+      ErrorKind::gate,
+      fmt::format("{}: {} of {} blocks stay inverted, the first at {}", what, placed.untangle.after.inverted,
+                  placed.blocks.complex.hexes.size(), place(placed.untangle.inverted.front().centre)),
+      remedy);
+}
 
 }  // namespace
 
@@ -271,14 +286,24 @@ std::unique_ptr<BlockSource> ambient_source(const TargetSurface& target, const A
         ErrorKind::gate, fmt::format("{}: automatic blocks lose features of the CAD: {}", name, all),
         "draw a cage (docs/cages.md), or start from the proposal that `flowcage cage --force` writes");
   }
-  if (placed.untangle.after.inverted > 0) {
-    throw Error(ErrorKind::gate,
-                fmt::format("{}: {} of {} automatic blocks stay inverted, the first at {}", name,
-                            placed.untangle.after.inverted, placed.blocks.complex.hexes.size(),
-                            place(placed.untangle.inverted.front().centre)),
+  require_valid(placed, name + ": automatic blocks",
                 "give another --cage-size, or draw a cage (docs/cages.md)");
-  }
-  return std::make_unique<AmbientSource>(std::move(placed.blocks), name);
+  return std::make_unique<PlacedSource>(std::move(placed.blocks), "ambient", name);
+}
+
+std::unique_ptr<BlockSource> drawn_source(const HexView& mesh, const TargetSurface& target, bool internal,
+                                          const std::string& name, Progress& progress) {
+  DrawnBlocks drawn = sort_out_blocks(mesh, internal, name);
+  AmbientBlocks blocks;
+  PrepareSettings prepare;
+  prepare.new_faces = false;  // the blocks have these
+  blocks.cage = prepare_cage(drawn.wall.cage, target, prepare, progress).cage;
+  assemble_blocks(std::move(drawn.draft), std::move(drawn.patches), std::move(drawn.sharp), blocks,
+                  drawn.wall);
+  PlacedBlocks placed = place_blocks(std::move(blocks), target, progress);
+  require_valid(placed, name,
+                "move the blocks' walls nearer to the CAD, and their lines to where its edges are");
+  return std::make_unique<PlacedSource>(std::move(placed.blocks), "file", name);
 }
 
 }  // namespace flowcage

@@ -14,12 +14,12 @@ namespace flowcage {
 
 /// Where the blocks of a volume come from, as the pipeline behind it sees it: a cage to fit, blocks that
 /// stand on its wall, and what their other boundary does. Two polyhedra or a grown far field (shell), the C-H
-/// blocks of a swept body, the ambient grid.
+/// blocks of a swept body, the ambient grid, a user's block file.
 class BlockSource {
  public:
   virtual ~BlockSource() = default;
 
-  virtual std::string name() const = 0;  ///< shell, swept or ambient
+  virtual std::string name() const = 0;  ///< shell, swept, ambient or file
   virtual const Cage& cage() const = 0;  ///< what refit/fit_surface takes
   virtual const WallBlocks& blocks() const = 0;
   virtual int fit_level() const = 0;  ///< the level of the fit that blocks().wall belongs to
@@ -58,5 +58,11 @@ std::unique_ptr<BlockSource> swept_source(const TargetSurface& target, const Swe
 /// Throws as make_ambient_blocks does, and Error(gate) where blocks stay inverted or a feature is lost.
 std::unique_ptr<BlockSource> ambient_source(const TargetSurface& target, const AmbientSettings& settings,
                                             const std::string& name, Progress& progress);
+
+/// A user's hex blocks, one a cell of `mesh`, in metres; their walls are fitted to the CAD
+/// (blocks/drawn_blocks, refit/prepare_cage). Throws as these do, and Error(gate) where blocks stay inverted
+/// when their walls lie on the CAD.
+std::unique_ptr<BlockSource> drawn_source(const HexView& mesh, const TargetSurface& target, bool internal,
+                                          const std::string& name, Progress& progress);
 
 }  // namespace flowcage

@@ -199,7 +199,7 @@ std::vector<OptionSpec> make_table() {
 
   group(
       "Cage and blocks",
-      {text(without(row("cage", "FILE", fitting, "inner polyhedron (OBJ, see docs/cages.md)"),
+      {text(without(row("cage", "FILE", fitting, "inner polyhedron (OBJ, see docs/cages.md), or blocks: a coarse hex mesh file"),
                     "mesh: blocks are made without one; surface: required"),
             &Options::cage),
        text(without(row("outer", "FILE", mesh,

@@ -92,16 +92,13 @@ int run_cage(const Options& options, Progress& progress) {
   const std::vector<Gate> gates = gates_of(placed);
   const bool write = options.force || all_hold(gates);
   if (write) {
-    // The cage in the unit that it is read back in.
-    const double cad_unit = cad.summary().files.front().unit_in_metres;
-    const double unit = !options.cage_unit.empty() ? metres_per_unit(options.cage_unit)
-                        : cad_unit > 0             ? cad_unit
-                                                   : 1;
+    // In the unit that --cage is read back in.
+    const double unit = cage_unit_in_metres(options, cad);
     for (std::size_t i = 0; i < outputs.size(); ++i) {
       if (formats[i] == ".obj") {
         write_cage(scale_cage(blocks.cage, 1 / unit), outputs[i]->stream());
       } else {
-        write_blocks(outputs[i]->stream(), blocks.complex, 1 / metres_per_unit(options.unit), progress);
+        write_blocks(outputs[i]->stream(), blocks.complex, 1 / unit, progress);
       }
     }
   }

@@ -105,13 +105,19 @@ void check_symmetry(const Options& options, const Cage& cage) {
 /// A cage and the routes that make their own exclude each other.
 void check_route(const Options& options) {
   const bool drawn = options.cage != "auto";
+  const bool file = drawn && is_block_file(options.cage);
+  if (file && (options.blocks != "auto" || !options.outer.empty() || options.farfield != "box")) {
+    throw Error(ErrorKind::usage,
+                fmt::format("--cage {} gives all of the blocks, the outer boundary included", options.cage),
+                "leave out --blocks, --outer and --farfield");
+  }
   if (!drawn && (options.blocks == "shell" || !options.outer.empty())) {
     throw Error(
         ErrorKind::usage, "a shell of blocks needs a cage, and --cage is missing",
         "draw a cage (docs/cages.md) and give it with --cage FILE, or leave out --blocks shell and --outer");
   }
   const bool internal = options.flow == "internal";
-  if (internal && (drawn || options.blocks == "swept" || options.blocks == "shell")) {
+  if (internal && !file && (drawn || options.blocks == "swept" || options.blocks == "shell")) {
     throw Error(ErrorKind::usage, "--flow internal: blocks inside of the CAD are ambient ones",
                 "leave out --cage and --blocks");
   }
@@ -141,8 +147,10 @@ std::unique_ptr<BlockSource> block_source(const Options& options, const FitInput
     farfield.body_lengths = options.farfield_size;
     return shell_source(inputs.cage, outer ? &*outer : nullptr, farfield, inputs.cad.bounds());
   }
+  const bool internal = options.flow == "internal";
+  if (inputs.blocks) return drawn_source(*inputs.blocks, inputs.cad, internal, options.cage, progress);
   const std::string& name = options.inputs.front();
-  if (options.blocks != "ambient" && options.flow == "external") {
+  if (options.blocks != "ambient" && !internal) {
     progress.step("blocks", 0);
     try {
       return swept_source(inputs.cad, {options.farfield_size}, name);

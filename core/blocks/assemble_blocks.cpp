@@ -66,6 +66,11 @@ void assemble_blocks(BlockDraft draft, const AmbientFrame& frame, AmbientBlocks&
     }
     draft.boundary[b].patch = patch[b];
   }
+  assemble_blocks(std::move(draft), std::move(patches), std::move(sharp), result, wall);
+}
+
+void assemble_blocks(BlockDraft draft, std::vector<HexComplex::Patch> patches, std::vector<SharpEdge> sharp,
+                     AmbientBlocks& result, const WallCage& wall) {
   for (const Cage::Crease& c : result.cage.creases) {
     sharp.push_back({wall.vertex_corner[c.a], wall.vertex_corner[c.b], c.sharpness});
   }

@@ -12,4 +12,9 @@ namespace flowcage {
 void assemble_blocks(BlockDraft draft, const AmbientFrame& frame, AmbientBlocks& result,
                      const WallCage& wall);
 
+/// The same for a draft whose boundary quads have their patch in `patches` already; `sharp`: edges of the
+/// boundary off the wall.
+void assemble_blocks(BlockDraft draft, std::vector<HexComplex::Patch> patches, std::vector<SharpEdge> sharp,
+                     AmbientBlocks& result, const WallCage& wall);
+
 }  // namespace flowcage

@@ -78,3 +78,23 @@ TEST_CASE("mesh: a body without a cage, and openings that match no face") {
       run_flowcage({"mesh", "ball.step", "--flow", "internal", "--blocks", "swept", "-o", "ball.vtu"}, in);
   CHECK(drawn.exit_code == 2);
 }
+
+TEST_CASE("mesh: blocks from a file, fitted to the CAD") {
+  const WorkFolder folder;
+  write_cad(make_cylinder(0.5, 1), (folder.path() / "can.step").string(), "mm");
+  const RunSettings in{.folder = folder.path(), .timeout = 300};
+  REQUIRE(run_flowcage({"cage", "can.step", "-o", "blocks.vtu"}, in).exit_code == 0);
+  const ProgramRun run = run_flowcage(
+      {"mesh", "can.step", "--cage", "blocks.vtu", "--levels", "1", "-o", "can.vtu", "--json", "mesh.json"},
+      in);
+  INFO(run.err);
+  REQUIRE(run.exit_code == 0);
+  const nlohmann::json mesh = json_in(folder, "mesh.json");
+  CHECK(mesh["blocks"]["route"] == "file");
+  CHECK(mesh["volume"]["inverted_cells"] == 0);
+  CHECK(mesh["surface"]["max_deviation"].get<double>() < 1e-4);
+  CHECK(mesh["surface"]["unmatched_feature_chains"] == 0);
+  const ProgramRun twice =
+      run_flowcage({"mesh", "can.step", "--cage", "blocks.vtu", "--blocks", "swept", "-o", "can.vtu"}, in);
+  CHECK(twice.exit_code == 2);
+}
