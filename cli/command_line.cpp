@@ -20,14 +20,17 @@ struct CommandSpec {
   std::string name, summary, input_name, input_help, output_name, output_help, example;
   bool many_inputs = false;
   bool writes = true;
-  bool later = false;
 };
+
+constexpr const char* mesh_inputs_help = "an OpenFOAM case folder or X.foam, X.vtu, X.msh or X.su2";
+constexpr const char* mesh_outputs_help =
+    "a folder or X.foam (OpenFOAM polyMesh), X.vtu, X.msh (Gmsh) or X.su2; may be repeated";
 
 const std::vector<CommandSpec>& command_table() {
   static const std::vector<CommandSpec> table{
       {Command::mesh, "mesh", "CAD and a cage to an all-hex volume mesh", "CAD", "STEP or IGES files", "OUT",
-       "a folder or X.foam (OpenFOAM polyMesh), or X.vtu; may be repeated",
-       "flowcage mesh wing.step --cage wing_cage.obj --symmetry y --levels 3 -o case", true},
+       mesh_outputs_help, "flowcage mesh wing.step --cage wing_cage.obj --symmetry y --levels 3 -o case",
+       true},
       {Command::surface, "surface", "the fitted surface of a CAD and a cage: a mesh, or B-spline patches",
        "CAD", "STEP or IGES files", "OUT", "X.obj, X.vtp, X.stl or X.step; may be repeated",
        "flowcage surface wing.step --cage wing_cage.obj --levels 3 -o wing.obj", true},
@@ -36,13 +39,12 @@ const std::vector<CommandSpec>& command_table() {
       {Command::inspect, "inspect", "what is in a CAD file: units, size, faces, edges, names, problems",
        "CAD", "STEP or IGES files", "", "", "flowcage inspect wing.step --json wing.json", true, false},
       {Command::quality, "quality", "the quality table of a hex mesh and its worst cells", "MESH",
-       "an OpenFOAM case folder or X.foam, or X.vtu", "", "", "flowcage quality case --json quality.json", 1,
-       false},
+       mesh_inputs_help, "", "", "flowcage quality case --json quality.json", 1, false},
       {Command::cage, "cage", "proposes a cage and blocks for a CAD, to edit and give back to mesh", "CAD",
        "STEP or IGES files", "OUT", "X.obj (the cage) or X.vtu (the blocks); may be repeated",
        "flowcage cage part.step -o cage.obj -o blocks.vtu", true},
-      {Command::convert, "convert", "one mesh format to another", "MESH", "", "OUT", "", "", false, true,
-       true}};
+      {Command::convert, "convert", "one mesh format to another", "MESH", mesh_inputs_help, "OUT",
+       mesh_outputs_help, "flowcage convert mesh.msh -o case -o mesh.vtu"}};
   return table;
 }
 
@@ -96,10 +98,6 @@ void bind(CLI::App& app, const OptionSpec& row, Options& options) {
 
 CLI::App* add_command(CLI::App& app, const CommandSpec& spec, Options& options) {
   CLI::App* sub = app.add_subcommand(spec.name, spec.summary);
-  if (spec.later) {
-    sub->group("")->prefix_command();
-    return sub;
-  }
   sub->add_option(spec.input_name, options.inputs, spec.input_help)
       ->required()
       ->type_name("")
@@ -213,10 +211,6 @@ Request parse_command_line(const std::vector<std::string>& arguments) {
   if (!first.starts_with('-') && named == commands.end()) {
     throw Error(ErrorKind::usage, fmt::format("unknown command \"{}\"", first),
                 remedy_for(first, command_names(), "flowcage --help"));
-  }
-  if (named != commands.end() && named->first->later) {
-    throw Error(ErrorKind::usage, fmt::format("the command {} is not in this version", first),
-                "see flowcage --help");
   }
   const bool has_command = named != commands.end();
   CLI::App& active = has_command ? *named->second : app;

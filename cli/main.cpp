@@ -36,7 +36,7 @@ int run(const Request& request, const Interruption& interruption) {
     case Command::cage:
       return run_cage(options, progress);
     case Command::convert:
-      break;
+      return run_convert(options, progress);
   }
   throw Error(ErrorKind::usage, "this command is not in this version", "see flowcage --help");
 }

@@ -23,7 +23,8 @@ constexpr unsigned subdivide = static_cast<unsigned>(Command::subdivide);
 constexpr unsigned inspect = static_cast<unsigned>(Command::inspect);
 constexpr unsigned quality = static_cast<unsigned>(Command::quality);
 constexpr unsigned cage = static_cast<unsigned>(Command::cage);
-constexpr unsigned every_command = mesh | surface | cage | subdivide | inspect | quality;
+constexpr unsigned convert = static_cast<unsigned>(Command::convert);
+constexpr unsigned every_command = mesh | surface | cage | subdivide | inspect | quality | convert;
 
 /// Limits of a number; `open`: the lower one is not allowed itself.
 struct Range {
@@ -333,7 +334,8 @@ std::string command_names(unsigned commands) {
   static constexpr std::array names{
       std::pair{Command::mesh, "mesh"},       std::pair{Command::surface, "surface"},
       std::pair{Command::cage, "cage"},       std::pair{Command::subdivide, "subdivide"},
-      std::pair{Command::inspect, "inspect"}, std::pair{Command::quality, "quality"}};
+      std::pair{Command::inspect, "inspect"}, std::pair{Command::quality, "quality"},
+      std::pair{Command::convert, "convert"}};
   std::string out;
   for (const auto& [command, name] : names) {
     if ((commands & static_cast<unsigned>(command)) != 0)

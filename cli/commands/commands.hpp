@@ -13,6 +13,7 @@ int run_quality(const Options& options, Progress& progress);
 int run_surface(const Options& options, Progress& progress);
 int run_cage(const Options& options, Progress& progress);
 int run_mesh(const Options& options, Progress& progress);
+int run_convert(const Options& options, Progress& progress);
 
 /// The quality table as text for stdout.
 std::string quality_text(const QualityReport& report);

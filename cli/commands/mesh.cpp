@@ -2,25 +2,18 @@
 
 #include <chrono>
 #include <cmath>
-#include <filesystem>
 #include <memory>
 
 #include "cli/cad_json.hpp"
 #include "cli/commands/commands.hpp"
 #include "cli/fit_job.hpp"
-#include "cli/output_names.hpp"
+#include "cli/mesh_outputs.hpp"
 #include "cli/summary.hpp"
 #include "cli/terminal.hpp"
-#include "core/base/atomic_file.hpp"
 #include "core/blocks/symmetry_plane.hpp"
-#include "core/export/write_polymesh.hpp"
-#include "core/export/write_vtu.hpp"
 #include "core/grade/wall_units.hpp"
-#include "core/mesh/hex_adjacency.hpp"
-#include "core/quality/jacobian.hpp"
 
 namespace flowcage {
-namespace fs = std::filesystem;
 namespace {
 
 constexpr int most_levels = 4;
@@ -28,52 +21,6 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-/// One -o: a VTU file or an OpenFOAM case folder.
-struct Output {
-  std::unique_ptr<AtomicFile> vtu;
-  std::unique_ptr<AtomicFolder> poly_mesh;
-  fs::path case_folder;
-  std::string foam_file;
-};
-
-enum class Format { vtu, foam_file, folder };
-
-Format format_of(const std::string& name) {
-  const std::string extension = lower_extension(name);
-  if (extension == ".vtu") return Format::vtu;
-  if (extension == ".foam") return Format::foam_file;
-  if (extension.empty() || fs::is_directory(name)) return Format::folder;
-  for (const char* later : {".cgns", ".su2", ".msh", ".vtm", ".xyz", ".p3d"}) {
-    if (extension == later) {
-      throw Error(ErrorKind::usage,
-                  fmt::format("-o: {}: the format {} is not in this version", name, extension),
-                  "give X.vtu, X.foam or a folder");
-    }
-  }
-  throw Error(ErrorKind::usage, fmt::format("-o: {}: unknown mesh format {}", name, extension),
-              "give X.vtu, X.foam or a folder (with / at its end)");
-}
-
-Output open_output(const std::string& name) {
-  Output output;
-  const Format format = format_of(name);
-  if (format == Format::vtu) {
-    output.vtu = std::make_unique<AtomicFile>(name);
-    return output;
-  }
-  const fs::path path(name);
-  if (format == Format::foam_file) {
-    output.case_folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-    output.foam_file = path.filename().string();
-  } else {
-    output.case_folder = path;
-    output.foam_file = "case.foam";
-  }
-  output.poly_mesh =
-      std::make_unique<AtomicFolder>(output.case_folder, "constant/polyMesh", polymesh_entries());
-  return output;
 }
 
 /// The cage's open boundary already says where the half model is cut; --symmetry must say the same.
@@ -205,37 +152,6 @@ VolumeSettings volume_settings(const Options& options, const FitInputs& inputs) 
   return settings;
 }
 
-void write_outputs(std::vector<Output>& outputs, const BlockMesh& mesh, const std::vector<double>& deviation,
-                   Progress& progress) {
-  std::vector<float> jacobians, deviations;
-  std::optional<HexAdjacency> adjacency;
-  for (Output& output : outputs) {
-    std::vector<std::string> notes;
-    if (output.vtu) {
-      progress.step("write VTU", 0);
-      jacobians = scaled_jacobians(mesh);
-      deviations.assign(deviation.begin(), deviation.end());
-      const VtuFields fields{{{"scaledJacobian", jacobians, {}}}, {{"deviation", deviations}}};
-      notes = write_vtu(output.vtu->stream(), mesh, fields, &progress);
-    } else {
-      progress.step("write OpenFOAM case", 0);
-      if (!adjacency) adjacency = build_hex_adjacency(mesh);
-      notes = write_polymesh(*output.poly_mesh, mesh, *adjacency, {}, &progress);
-    }
-    for (const std::string& note : notes) progress.warn(note);
-  }
-}
-
-void commit(std::vector<Output>& outputs) {
-  for (Output& output : outputs) {
-    if (output.vtu) output.vtu->commit();
-    if (output.poly_mesh) {
-      output.poly_mesh->commit();
-      write_case_files(output.case_folder, output.foam_file);
-    }
-  }
-}
-
 Json report(const Options& options, const FitInputs& inputs, const BlockSource& source,
             const VolumeResult& result) {
   const double scale = 1 / metres_per_unit(options.unit);
@@ -279,14 +195,13 @@ void warn_of_first_height(const Options& options, const LayerReport& layers, Pro
 int run_mesh(const Options& given, Progress& progress) {
   const Clock::time_point start = Clock::now();
   const Options options = with_first_height(given);
-  for (const std::string& name : options.outputs) format_of(name);
+  MeshOutputs::check_formats(options.outputs);
   check_route(options);
   const FitInputs inputs = read_fit_inputs(options, progress);
   if (inputs.drawn) check_symmetry(options, inputs.cage);
   const VolumeSettings settings = volume_settings(options, inputs);
   const std::unique_ptr<BlockSource> source = block_source(options, inputs, progress);
-  std::vector<Output> outputs;  // opened before the long work: a place that cannot be written shows now
-  for (const std::string& name : options.outputs) outputs.push_back(open_output(name));
+  MeshOutputs outputs(options.outputs);
   const std::unique_ptr<AtomicFile> json_file = open_json(options);
 
   VolumeResult result = make_volume(*source, inputs.cad, settings, progress);
@@ -297,7 +212,7 @@ int run_mesh(const Options& given, Progress& progress) {
     const double scale = 1 / metres_per_unit(options.unit);
     for (Vec3& p : result.mesh.mutable_points()) p *= scale;
     for (double& d : result.deviation) d *= scale;
-    write_outputs(outputs, result.mesh, result.deviation, progress);
+    outputs.write(result.mesh, result.deviation, progress);
   }
   if (json_file) {
     Json json = report(options, inputs, *source, result);
@@ -307,8 +222,7 @@ int run_mesh(const Options& given, Progress& progress) {
     json["peak_memory_bytes"] = peak_memory_bytes();
     write_json(json, *json_file);
   }
-  // All were written: only now any of them appears.
-  if (write) commit(outputs);
+  if (write) outputs.commit();
   if (json_file) json_file->commit();
   if (!options.quiet) print_summary(volume_summary(result, inputs.cad.diagonal(), options));
   require_gates(result.gates);

@@ -3,6 +3,8 @@
 #include <string>
 #include <string_view>
 
+#include "core/base/error.hpp"
+
 namespace flowcage {
 
 /// The bytes of a whole regular file. Throws Error(input).
@@ -13,5 +15,17 @@ long line_of(std::string_view text, std::size_t position);
 
 /// At most 40 printable characters from `position`, for messages.
 std::string excerpt(std::string_view text, std::size_t position);
+
+/// Calls read(); an Error(input) that does not begin with the file's name, because it concerns the mesh as a
+/// whole, is thrown again with it.
+template <typename Read>
+auto naming_file(const std::filesystem::path& file, const Read& read) {
+  try {
+    return read();
+  } catch (const Error& e) {
+    if (e.kind() != ErrorKind::input || std::string(e.what()).starts_with(file.string())) throw;
+    throw input_error(file.string(), 0, e.what(), e.remedy());
+  }
+}
 
 }  // namespace flowcage

@@ -53,4 +53,23 @@ PatchNames legal_patch_names(const std::vector<std::string>& names) {
   return result;
 }
 
+PatchNames legal_patch_names(const HexView& mesh) {
+  std::vector<std::string> given;
+  for (const BoundaryPatch& patch : mesh.patches()) given.push_back(patch.name);
+  return legal_patch_names(given);
+}
+
+PatchType patch_type_of_name(const std::string& name) {
+  std::string lower = name;
+  for (char& c : lower) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  }
+  const auto has = [&lower](const char* part) { return lower.find(part) != std::string::npos; };
+  if (has("far")) return PatchType::farfield;
+  if (has("sym")) return PatchType::symmetry;
+  if (has("inlet") || has("inflow")) return PatchType::inlet;
+  if (has("outlet") || has("outflow")) return PatchType::outlet;
+  return PatchType::wall;
+}
+
 }  // namespace flowcage

@@ -2,6 +2,8 @@
 #include <string>
 #include <vector>
 
+#include "core/mesh/hex_view.hpp"
+
 namespace flowcage {
 
 /// Patch names that every format takes: letters, digits, '_', '-', '.'; the first is a letter; at most 32
@@ -13,5 +15,11 @@ struct PatchNames {
   std::vector<std::string> notes;  ///< one sentence for each renamed patch
 };
 PatchNames legal_patch_names(const std::vector<std::string>& names);
+/// Those of a mesh's patches.
+PatchNames legal_patch_names(const HexView& mesh);
+
+/// The type that a name suggests, for files that have names alone: farfield, symmetry, inlet or outlet if the
+/// name contains "far", "sym", "inlet" or "inflow", "outlet" or "outflow" (capitals or not), else wall.
+PatchType patch_type_of_name(const std::string& name);
 
 }  // namespace flowcage

@@ -198,14 +198,4 @@ HexMesh read_polymesh(const fs::path& path) {
   return PolyMeshReader(polymesh_folder(path)).read();
 }
 
-HexMesh read_mesh(const fs::path& path) {
-  std::error_code ignored;
-  if (path.extension() == ".foam" || fs::is_directory(path, ignored)) return read_polymesh(path);
-  if (path.extension() == ".vtu") return read_vtu(path);
-  if (!fs::exists(path, ignored))
-    throw input_error(path.string(), 0, "no such file or folder", "check the name");
-  throw input_error(path.string(), 0, "is no mesh format that flowcage reads",
-                    "give a .vtu file, an OpenFOAM case folder, or a .foam file");
-}
-
 }  // namespace flowcage

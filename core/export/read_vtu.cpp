@@ -5,6 +5,7 @@
 #include <map>
 
 #include "core/export/complete_boundary.hpp"
+#include "core/export/file_text.hpp"
 #include "core/export/read_mesh.hpp"
 #include "core/export/vtk_xml_reader.hpp"
 
@@ -196,13 +197,7 @@ class VtuReader {
 }  // namespace
 
 HexMesh read_vtu(const std::filesystem::path& file) {
-  try {
-    return VtuReader(file.string()).read();
-  } catch (const Error& e) {
-    // What concerns the mesh as a whole does not know the file.
-    if (e.kind() != ErrorKind::input || std::string(e.what()).starts_with(file.string())) throw;
-    throw input_error(file.string(), 0, e.what(), e.remedy());
-  }
+  return naming_file(file, [&] { return VtuReader(file.string()).read(); });
 }
 
 }  // namespace flowcage

@@ -165,9 +165,7 @@ class PolyMeshWriter {
   }
 
   std::vector<std::string> boundary() {
-    std::vector<std::string> given;
-    for (const BoundaryPatch& patch : mesh_.patches()) given.push_back(patch.name);
-    auto [names, notes] = legal_patch_names(given);
+    auto [names, notes] = legal_patch_names(mesh_);
     const auto stored = folder_.create("boundary");
     OutputFile& file = *stored;
     file << header({"polyBoundaryMesh", location, "boundary"}, false);

@@ -45,13 +45,9 @@ class VtuWriter {
   }
 
   std::vector<std::string> write(std::ostream& out) {
-    std::vector<std::string> given;
     std::vector<int> types;
-    for (const BoundaryPatch& patch : mesh_.patches()) {
-      given.push_back(patch.name);
-      types.push_back(static_cast<int>(patch.type));
-    }
-    auto [names, notes] = legal_patch_names(given);
+    for (const BoundaryPatch& patch : mesh_.patches()) types.push_back(static_cast<int>(patch.type));
+    auto [names, notes] = legal_patch_names(mesh_);
     std::string xml = vtk_file_header("UnstructuredGrid") + "<UnstructuredGrid>\n" +
                       patch_field_data(names, types) +
                       fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n",

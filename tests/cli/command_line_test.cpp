@@ -128,13 +128,38 @@ TEST_CASE("y+ needs what it is made with, and excludes a first height") {
               2, "both ask", "leave one");
 }
 
-TEST_CASE("options and commands of later versions are refused, not ignored") {
+TEST_CASE("options of later versions are refused, not ignored") {
   for (const Strings& option : {Strings{"--config", "x.toml"}, Strings{"--report", "x.html"}}) {
     const ProgramRun run = run_flowcage({"mesh", "a.step", option[0], option[1], "-o", "x"});
     check_error(run, 2, "not in this version", "");
     CHECK_THAT(run.err, contains_text(option[0]));
   }
-  check_error(run_flowcage({"convert", "a.vtu", "-o", "x.cgns"}), 2, "convert is not in this version", "");
+  check_error(run_flowcage({"convert", "a.vtu", "-o", "x.cgns"}), 2, "not in this version", "X.vtu");
+}
+
+TEST_CASE("convert: from each format to each other, whole or not at all") {
+  const WorkFolder folder;
+  const RunSettings in{.folder = folder.path()};
+  const std::string one_hex =
+      "NDIME= 3\nNELEM= 1\n12 0 1 2 3 4 5 6 7\nNPOIN= 8\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n"
+      "0 0 1\n1 0 1\n1 1 1\n0 1 1\nNMARK= 1\nMARKER_TAG= sym\nMARKER_ELEMS= 1\n9 0 1 2 3\n";
+  folder.put("a.su2", one_hex);
+  CHECK(run_flowcage({"convert", "a.su2", "-o", "b.msh", "-o", "b.vtu"}, in).exit_code == 0);
+  CHECK(run_flowcage({"convert", "b.msh", "-o", "c/"}, in).exit_code == 0);
+  CHECK(run_flowcage({"convert", "c", "-o", "d.su2"}, in).exit_code == 0);
+  for (const char* mesh : {"a.su2", "b.msh", "b.vtu", "c", "d.su2"}) {
+    const ProgramRun run = run_flowcage({"quality", mesh}, in);
+    CHECK(run.exit_code == 0);
+    CHECK_THAT(run.out, contains_text("cells     1\n"));
+    CHECK_THAT(run.out, contains_text("sym                              symmetry           1 faces"));
+    CHECK_THAT(run.out, contains_text("unassigned                       wall               5 faces"));
+  }
+  const Strings before = folder.entries();
+  folder.put("a.su2", one_hex.substr(0, 80));
+  check_error(run_flowcage({"convert", "a.su2", "-o", "e.msh"}, in), 3, "a.su2:10: the file ends",
+              "write it again");
+  check_error(run_flowcage({"convert", "a.su2", "-o", "a.su2"}, in), 2, "the same file as the input", "");
+  CHECK(folder.entries() == before);
 }
 
 TEST_CASE("subdivide: control mesh, limit points, nothing on stdout") {
@@ -302,7 +327,7 @@ TEST_CASE("surface and mesh: wrong usage and unusable input, before any long wor
     check_error(run(command, {"--cage", "cube.obj", "-o", "x.txt"}), 2, "x.txt: unknown", "");
   }
   check_error(run("surface", {"--cage", "cube.obj", "-o", "x.step"}), 3, "text.step", "");
-  for (const char* later : {"x.cgns", "x.su2", "x.msh", "x.vtm", "x.xyz"}) {
+  for (const char* later : {"x.cgns", "x.vtm", "x.xyz"}) {
     check_error(run("mesh", {"--cage", "cube.obj", "-o", later}), 2, "not in this version", "X.vtu");
   }
   CHECK(folder.entries() == Strings{"bad.obj", "cube.obj", "text.step"});

@@ -1,0 +1,122 @@
+#include "cli/mesh_outputs.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <optional>
+#include <set>
+
+#include "cli/output_names.hpp"
+#include "core/base/atomic_file.hpp"
+#include "core/base/error.hpp"
+#include "core/export/write_gmsh.hpp"
+#include "core/export/write_polymesh.hpp"
+#include "core/export/write_su2.hpp"
+#include "core/export/write_vtu.hpp"
+#include "core/mesh/hex_adjacency.hpp"
+#include "core/quality/jacobian.hpp"
+
+namespace flowcage {
+namespace fs = std::filesystem;
+namespace {
+
+enum class Format { vtu, gmsh, su2, foam_file, folder };
+constexpr const char* known_formats = "give X.vtu, X.msh, X.su2, X.foam or a folder (with / at its end)";
+
+Format format_of(const std::string& name) {
+  const std::string extension = lower_extension(name);
+  if (extension == ".vtu") return Format::vtu;
+  if (extension == ".msh") return Format::gmsh;
+  if (extension == ".su2") return Format::su2;
+  if (extension == ".foam") return Format::foam_file;
+  if (extension.empty() || fs::is_directory(name)) return Format::folder;
+  for (const char* later : {".cgns", ".vtm", ".xyz", ".p3d"}) {
+    if (extension == later) {
+      throw Error(ErrorKind::usage,
+                  fmt::format("-o: {}: the format {} is not in this version", name, extension),
+                  known_formats);
+    }
+  }
+  throw Error(ErrorKind::usage, fmt::format("-o: {}: unknown mesh format {}", name, extension),
+              known_formats);
+}
+
+}  // namespace
+
+struct MeshOutputs::Output {
+  Format format;
+  std::unique_ptr<AtomicFile> file;
+  std::unique_ptr<AtomicFolder> poly_mesh;
+  fs::path case_folder;
+  std::string foam_file;
+};
+
+void MeshOutputs::check_formats(const std::vector<std::string>& names) {
+  for (const std::string& name : names) format_of(name);
+}
+
+MeshOutputs::MeshOutputs(const std::vector<std::string>& names) {
+  for (const std::string& name : names) {
+    Output& output = outputs_.emplace_back();
+    output.format = format_of(name);
+    const fs::path path(name);
+    if (output.format == Format::foam_file) {
+      output.case_folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+      output.foam_file = path.filename().string();
+    } else if (output.format == Format::folder) {
+      output.case_folder = path;
+      output.foam_file = "case.foam";
+    } else {
+      output.file = std::make_unique<AtomicFile>(path);
+      continue;
+    }
+    output.poly_mesh =
+        std::make_unique<AtomicFolder>(output.case_folder, "constant/polyMesh", polymesh_entries());
+  }
+}
+
+MeshOutputs::~MeshOutputs() = default;
+
+void MeshOutputs::write(const HexView& mesh, const std::vector<double>& deviation, Progress& progress) {
+  std::set<std::string> said;  // every format carries the same names, so they have the same notes
+  std::optional<HexAdjacency> adjacency;
+  for (Output& output : outputs_) {
+    std::vector<std::string> notes;
+    switch (output.format) {
+      case Format::vtu: {
+        const std::vector<float> jacobians = scaled_jacobians(mesh);
+        const std::vector<float> deviations(deviation.begin(), deviation.end());
+        VtuFields fields{{{"scaledJacobian", jacobians, {}}}, {}};
+        if (!deviations.empty()) fields.point_fields.push_back({"deviation", deviations});
+        notes = write_vtu(output.file->stream(), mesh, fields, &progress);
+        break;
+      }
+      case Format::gmsh:
+        notes = write_gmsh(output.file->stream(), mesh, &progress);
+        break;
+      case Format::su2:
+        notes = write_su2(output.file->stream(), mesh, &progress);
+        break;
+      case Format::foam_file:
+      case Format::folder:
+        if (!adjacency) adjacency = build_hex_adjacency(mesh);
+        notes = write_polymesh(*output.poly_mesh, mesh, *adjacency, {}, &progress);
+        break;
+    }
+    for (const std::string& note : notes) {
+      if (said.insert(note).second) progress.warn(note);
+    }
+  }
+}
+
+void MeshOutputs::commit() {
+  for (Output& output : outputs_) {
+    if (output.file) output.file->commit();
+    if (output.poly_mesh) {
+      output.poly_mesh->commit();
+      write_case_files(output.case_folder, output.foam_file);
+    }
+  }
+}
+
+}  // namespace flowcage

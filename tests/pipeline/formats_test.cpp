@@ -1,0 +1,154 @@
+// One mesh in every format, as each format's own programs read it.
+#include <fstream>
+
+#include "core/export/read_mesh.hpp"
+#include "core/export/write_gmsh.hpp"
+#include "core/export/write_polymesh.hpp"
+#include "core/export/write_su2.hpp"
+#include "tests/catch.hpp"
+#include "tests/export/peers.hpp"
+#include "tests/export/sample_meshes.hpp"
+
+using namespace flowcage;
+using namespace flowcage::tests;
+namespace fs = std::filesystem;
+
+namespace {
+
+const std::string foam = "WM_PROJECT_DIR=/usr/share/openfoam ";
+
+/// Cells, volume and the patches by name with their numbers of faces are those of `mesh`. Gmsh and OpenFOAM
+/// write about 16 and 12 digits.
+void check_same_mesh(const HexView& read, const HexView& mesh) {
+  CHECK(read.cell_count() == mesh.cell_count());
+  CHECK(read.points().size() == mesh.points().size());
+  CHECK(enclosed_volume(read) == Approx(enclosed_volume(mesh)).epsilon(1e-9));
+  REQUIRE(read.patches().size() == mesh.patches().size());
+  for (const BoundaryPatch& patch : mesh.patches()) {
+    std::string name = patch.name;
+    std::replace(name.begin(), name.end(), ' ', '_');
+    CAPTURE(name);
+    const auto same = std::find_if(read.patches().begin(), read.patches().end(),
+                                   [&](const BoundaryPatch& p) { return p.name == name; });
+    REQUIRE(same != read.patches().end());
+    CHECK(same->quads.size() == patch.quads.size());
+  }
+}
+
+void run_quietly(const std::string& command) {
+  const PeerRun said = run(command);
+  CAPTURE(command, said.output);
+  REQUIRE(said.exit_code == 0);
+  CHECK(said.output.find("Error") == std::string::npos);
+  CHECK(said.output.find("Warning") == std::string::npos);
+}
+
+struct Sample {
+  const char* name;
+  HexMesh mesh;
+};
+
+std::vector<Sample> samples() {
+  std::vector<Sample> all;
+  all.push_back({"box", perturbed_box({5, 4, 3}, 0.04)});
+  all.push_back({"half sphere", sphere_shell(6, 4, 4, true)});
+  all.push_back({"shuffled sphere", shuffled(sphere_shell(4, 3, 4), 11)});
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("Gmsh, gmshToFoam and meshio read the .msh and .su2 written") {
+  const bool have_gmsh = have_program("gmsh"), have_foam = have_program("gmshToFoam");
+  const bool have_meshio = have_python_module("meshio");
+  for (const auto& [name, mesh] : samples()) {
+    CAPTURE(name);
+    const ScratchFolder folder;
+    const fs::path msh = folder.path() / "a.msh", su2 = folder.path() / "a.su2";
+    {
+      std::ofstream gmsh_file(msh), su2_file(su2);
+      const auto notes = write_gmsh(gmsh_file, mesh);
+      CHECK(notes == write_su2(su2_file, mesh));
+      CHECK(notes.size() == (std::string(name) == "box" ? 1 : 0));  // "symmetry plane"
+    }
+    check_same_mesh(read_mesh(msh), mesh);
+    check_same_mesh(read_mesh(su2), mesh);
+    const HexMesh from_su2 = read_mesh(su2);
+    CHECK(std::equal(mesh.points().begin(), mesh.points().end(), from_su2.points().begin()));
+    if (have_gmsh) {
+      for (const char* format : {"msh22", "msh41"}) {
+        CAPTURE(format);
+        const fs::path out = folder.path() / (std::string(format) + ".msh");
+        run_quietly("gmsh '" + msh.string() + "' -save -format " + format + " -o '" + out.string() + "'");
+        check_same_mesh(read_mesh(out), mesh);
+      }
+    }
+    if (have_foam) {
+      const fs::path case_folder = folder.path() / "case";
+      fs::create_directory(case_folder);
+      write_case_files(case_folder, "case.foam");
+      run(foam + "gmshToFoam -case '" + case_folder.string() + "' '" + msh.string() + "'");
+      check_same_mesh(read_mesh(case_folder), mesh);
+    }
+    if (have_meshio) {
+      const PeerRun said =
+          run("/usr/bin/python3 -c 'import meshio,sys\n"
+              "for f in sys.argv[1:]:\n"
+              "  m = meshio.read(f)\n"
+              "  print(sum(len(c.data) for c in m.cells if c.type == \"hexahedron\"),"
+              " sum(len(c.data) for c in m.cells if c.type == \"quad\"))' '" +
+              msh.string() + "' '" + su2.string() + "'");
+      std::size_t quads = 0;
+      for (const BoundaryPatch& patch : mesh.patches()) quads += patch.quads.size();
+      const std::string line = std::to_string(mesh.cell_count()) + " " + std::to_string(quads) + "\n";
+      CAPTURE(said.output);
+      CHECK(said.output.find(line) != said.output.rfind(line));
+    }
+  }
+}
+
+TEST_CASE("Damaged .msh and .su2 files are refused by name, never more") {
+  const HexMesh mesh = box_mesh({2, 2, 2});
+  const ScratchFolder folder;
+  const auto write = [&](const fs::path& file, const std::string& text) {
+    fs::remove(file);
+    std::ofstream(file) << text;
+  };
+  const auto refused = [&](const fs::path& file, const std::string& text, const std::string& why) {
+    write(file, text);
+    CAPTURE(text);
+    try {
+      read_mesh(file);
+      FAIL("was read");
+    } catch (const Error& e) {
+      CHECK(e.kind() == ErrorKind::input);
+      CHECK(std::string(e.what()).starts_with(file.string()));
+      CHECK(std::string(e.what()).find(why) != std::string::npos);
+      CHECK_FALSE(e.remedy().empty());
+    }
+  };
+  const fs::path msh = folder.path() / "a.msh", su2 = folder.path() / "a.su2";
+  for (const fs::path& file : {msh, su2}) {
+    std::ostringstream out;
+    file == msh ? write_gmsh(out, mesh) : write_su2(out, mesh);
+    const std::string text = out.str();
+    // Cut anywhere, to the last word: refused.
+    for (std::size_t length = 0; length + 18 < text.size(); length += 37) {
+      refused(file, text.substr(0, length), "");
+    }
+  }
+  const std::string head = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n";
+  refused(msh, "hello", "a section");
+  refused(msh, "$MeshFormat\n4.1 1 8\n", "binary");
+  refused(msh, "$MeshFormat\n4 0 8\n", "version is 4");
+  refused(msh, head + "$Nodes\n1 2000000000 1 2000000000\n3 1 0 2000000000\n1\n", "but only");
+  refused(msh, head + "$Elements\n1 1 1 1\n3 1 4 1\n1 1 2 3 4\n$EndElements\n", "tetrahedron");
+  refused(msh, head + "$Elements\n1 1 1 1\n3 1 5 1\n1 1 2 3 4 5 6 7 8\n$EndElements\n", "no node 1");
+  refused(msh, head, "holds no hexes");
+  refused(su2, "NDIME= 2\n", "not three-dimensional");
+  refused(su2, "NDIME=3\nNELEM=1\n10 0 1 2 3\n", "is no hex (VTK type 10)");
+  refused(su2, "NDIME= 3\nNELEM= 1999999999\n12 0 1\n", "but only");
+  refused(su2, "NDIME= 3\nNELEM= 1\n12 0 1 2 3 4 5 6 9\nNPOIN= 1\n0 0 0 0\nNMARK= 0\n",
+          "but there are 1 points");
+  refused(su2, "NDIME= 3\nNPOIN= 1\n0 0 nan 0\n", "not finite");
+}
