@@ -9,6 +9,7 @@
 #include "cli/output_names.hpp"
 #include "core/base/atomic_file.hpp"
 #include "core/base/error.hpp"
+#include "core/export/write_cgns.hpp"
 #include "core/export/write_gmsh.hpp"
 #include "core/export/write_polymesh.hpp"
 #include "core/export/write_su2.hpp"
@@ -20,17 +21,19 @@ namespace flowcage {
 namespace fs = std::filesystem;
 namespace {
 
-enum class Format { vtu, gmsh, su2, foam_file, folder };
-constexpr const char* known_formats = "give X.vtu, X.msh, X.su2, X.foam or a folder (with / at its end)";
+enum class Format { vtu, cgns, gmsh, su2, foam_file, folder };
+constexpr const char* known_formats =
+    "give X.vtu, X.cgns, X.msh, X.su2, X.foam or a folder (with / at its end)";
 
 Format format_of(const std::string& name) {
   const std::string extension = lower_extension(name);
   if (extension == ".vtu") return Format::vtu;
+  if (extension == ".cgns") return Format::cgns;
   if (extension == ".msh") return Format::gmsh;
   if (extension == ".su2") return Format::su2;
   if (extension == ".foam") return Format::foam_file;
   if (extension.empty() || fs::is_directory(name)) return Format::folder;
-  for (const char* later : {".cgns", ".vtm", ".xyz", ".p3d"}) {
+  for (const char* later : {".vtm", ".xyz", ".p3d"}) {
     if (extension == later) {
       throw Error(ErrorKind::usage,
                   fmt::format("-o: {}: the format {} is not in this version", name, extension),
@@ -41,10 +44,33 @@ Format format_of(const std::string& name) {
               known_formats);
 }
 
+/// The blocks of a mesh, made when the first structured format asks for them.
+class BlocksOnDemand {
+ public:
+  explicit BlocksOnDemand(const HexView& mesh) : view_(mesh), own_(dynamic_cast<const BlockMesh*>(&mesh)) {}
+
+  const BlockMesh& mesh() {
+    if (own_) return *own_;
+    if (!made_) made_.emplace(blocks_of_cells(view_));
+    return *made_;
+  }
+  const StructuredBlocks& merged() {
+    if (!merged_) merged_ = merge_blocks(mesh());
+    return *merged_;
+  }
+
+ private:
+  const HexView& view_;
+  const BlockMesh* own_;
+  std::optional<BlockMesh> made_;
+  std::optional<StructuredBlocks> merged_;
+};
+
 }  // namespace
 
 struct MeshOutputs::Output {
   Format format;
+  std::string name;
   std::unique_ptr<AtomicFile> file;
   std::unique_ptr<AtomicFolder> poly_mesh;
   fs::path case_folder;
@@ -55,10 +81,11 @@ void MeshOutputs::check_formats(const std::vector<std::string>& names) {
   for (const std::string& name : names) format_of(name);
 }
 
-MeshOutputs::MeshOutputs(const std::vector<std::string>& names) {
-  for (const std::string& name : names) {
+MeshOutputs::MeshOutputs(const Options& options) : unit_(options.unit), unstructured_(options.unstructured) {
+  for (const std::string& name : options.outputs) {
     Output& output = outputs_.emplace_back();
     output.format = format_of(name);
+    output.name = name;
     const fs::path path(name);
     if (output.format == Format::foam_file) {
       output.case_folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
@@ -80,6 +107,7 @@ MeshOutputs::~MeshOutputs() = default;
 void MeshOutputs::write(const HexView& mesh, const std::vector<double>& deviation, Progress& progress) {
   std::set<std::string> said;  // every format carries the same names, so they have the same notes
   std::optional<HexAdjacency> adjacency;
+  BlocksOnDemand blocks(mesh);
   for (Output& output : outputs_) {
     std::vector<std::string> notes;
     switch (output.format) {
@@ -89,6 +117,15 @@ void MeshOutputs::write(const HexView& mesh, const std::vector<double>& deviatio
         VtuFields fields{{{"scaledJacobian", jacobians, {}}}, {}};
         if (!deviations.empty()) fields.point_fields.push_back({"deviation", deviations});
         notes = write_vtu(output.file->stream(), mesh, fields, &progress);
+        break;
+      }
+      case Format::cgns: {
+        const CgnsSettings settings{unit_, output.name};
+        if (unstructured_) {
+          notes = write_cgns_unstructured(output.file->path(), mesh, settings, &progress);
+          break;
+        }
+        notes = write_cgns(output.file->path(), blocks.mesh(), blocks.merged(), settings, &progress);
         break;
       }
       case Format::gmsh:

@@ -5,6 +5,7 @@
 
 #include "core/base/progress.hpp"
 #include "core/mesh/hex_view.hpp"
+#include "core/options.hpp"
 
 namespace flowcage {
 
@@ -17,17 +18,20 @@ class MeshOutputs {
 
   /// Opens every output, so that a place that cannot be written shows at once. Throws Error(output), and as
   /// check_formats.
-  explicit MeshOutputs(const std::vector<std::string>& names);
+  explicit MeshOutputs(const Options& options);
   ~MeshOutputs();
 
-  /// Writes every output; `deviation` is a field on the points, or empty. Notes go to progress.warn, each
-  /// once. Throws Error(output).
+  /// Writes every output: the structured formats with the blocks of a BlockMesh, merged; of another mesh the
+  /// cells are merged to blocks. `deviation` is a field on the points, or empty. Notes go to progress.warn,
+  /// each once. Throws Error(output).
   void write(const HexView& mesh, const std::vector<double>& deviation, Progress& progress);
   /// All were written: only now any of them appears. Throws Error(output).
   void commit();
 
  private:
   struct Output;
+  std::string unit_;
+  bool unstructured_;
   std::vector<Output> outputs_;
 };
 

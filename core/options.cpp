@@ -251,6 +251,8 @@ std::vector<OptionSpec> make_table() {
                     "write the fitted limit surface itself: each face of the last level split N more times, "
                     "no snap"),
                 &Options::sample, {0, 8}),
+         flag(row("unstructured", "", mesh | convert, "CGNS with one unstructured zone instead of blocks"),
+              &Options::unstructured),
          flag(row("limit", "", subdivide,
                   "write the limit points of the vertices instead of the control points"),
               &Options::limit)});

@@ -37,6 +37,7 @@ struct Options {
   bool unite = true;
   bool snap = true;
   int sample = 0;
+  bool unstructured = false;
   bool limit = false;
 
   std::optional<double> first_height, growth, yplus, reynolds, length;

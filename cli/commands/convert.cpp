@@ -5,7 +5,7 @@
 namespace flowcage {
 
 int run_convert(const Options& options, Progress& progress) {
-  MeshOutputs outputs(options.outputs);
+  MeshOutputs outputs(options);
   progress.step("read", 0);
   const HexMesh mesh = read_mesh(options.inputs.front());
   outputs.write(mesh, {}, progress);

@@ -201,7 +201,7 @@ int run_mesh(const Options& given, Progress& progress) {
   if (inputs.drawn) check_symmetry(options, inputs.cage);
   const VolumeSettings settings = volume_settings(options, inputs);
   const std::unique_ptr<BlockSource> source = block_source(options, inputs, progress);
-  MeshOutputs outputs(options.outputs);
+  MeshOutputs outputs(options);
   const std::unique_ptr<AtomicFile> json_file = open_json(options);
 
   VolumeResult result = make_volume(*source, inputs.cad, settings, progress);

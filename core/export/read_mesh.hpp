@@ -32,7 +32,13 @@ HexMesh read_gmsh(const std::filesystem::path& file);
 /// Reads an SU2 mesh, three-dimensional, one zone. Patches are its markers, their types as in read_gmsh.
 HexMesh read_su2(const std::filesystem::path& file);
 
-/// Any of the above, by what `path` is: a folder or .foam, .vtu, .msh or .su2.
+/// Reads a CGNS file with one base: structured zones, whose points become one where 1-to-1 interfaces join
+/// them, with boundary conditions as point ranges; or one unstructured zone of sections HEXA_8 and QUAD_4,
+/// with conditions at elements. Patches are the families of the conditions (without one: the condition; a
+/// quad without a condition: its section). Zones must be right-handed.
+HexMesh read_cgns(const std::filesystem::path& file);
+
+/// Any of the above, by what `path` is: a folder or .foam, .vtu, .cgns, .msh or .su2.
 HexMesh read_mesh(const std::filesystem::path& path);
 
 }  // namespace flowcage

@@ -2,6 +2,7 @@
 #include <fstream>
 
 #include "core/export/read_mesh.hpp"
+#include "core/export/write_cgns.hpp"
 #include "core/export/write_gmsh.hpp"
 #include "core/export/write_polymesh.hpp"
 #include "core/export/write_su2.hpp"
@@ -103,6 +104,83 @@ TEST_CASE("Gmsh, gmshToFoam and meshio read the .msh and .su2 written") {
       const std::string line = std::to_string(mesh.cell_count()) + " " + std::to_string(quads) + "\n";
       CAPTURE(said.output);
       CHECK(said.output.find(line) != said.output.rfind(line));
+    }
+  }
+}
+
+TEST_CASE("Blocks are merged as far as they fit, and the mesh stays") {
+  for (const auto& [name, mesh] : samples()) {
+    CAPTURE(name);
+    const BlockMesh cells = blocks_of_cells(mesh);
+    const StructuredBlocks merged = merge_blocks(cells);
+    Offset total = 0;
+    for (const StructuredBlock& block : merged.blocks) {
+      const auto [ni, nj, nk] = block.cells();
+      total += Offset{ni} * nj * nk;
+      const auto corner = [&](Index i, Index j, Index k) {
+        return mesh.points()[point_number(cells, block, {i, j, k})];
+      };
+      const Vec3 origin = corner(0, 0, 0);
+      CHECK((corner(1, 0, 0) - origin).cross(corner(0, 1, 0) - origin).dot(corner(0, 0, 1) - origin) > 0);
+    }
+    CHECK(total == mesh.cell_count());
+    // A box is one block. Round a sphere: a ring of four sides, and a block at each end. Round half of it a
+    // strip over the top is as large as the ring and comes first; it leaves a block at each side.
+    if (std::string(name) == "box") CHECK(merged.blocks.size() == 1);
+    if (std::string(name) == "half sphere") CHECK(merged.blocks.size() == 3);
+    if (std::string(name) == "shuffled sphere") CHECK(merged.blocks.size() == 3);
+    std::vector<std::size_t> faces(mesh.patches().size(), 0);
+    for (const BlockWindow& window : merged.windows) {
+      const int d = window.face / 2;
+      CHECK(window.low[d] == window.high[d]);
+      std::size_t count = 1;
+      for (int e = 0; e < 3; ++e) count *= e == d ? 1 : window.high[e] - window.low[e];
+      if (window.patch != no_index) faces[window.patch] += count;
+      if (window.donor == no_index) continue;
+      // Both ends of the window are the same points as the donor's.
+      CHECK(point_number(cells, merged.blocks[window.block], window.low) ==
+            point_number(cells, merged.blocks[window.donor], window.donor_low));
+      CHECK(point_number(cells, merged.blocks[window.block], window.high) ==
+            point_number(cells, merged.blocks[window.donor], window.donor_high));
+    }
+    for (std::size_t i = 0; i < faces.size(); ++i) CHECK(faces[i] == mesh.patches()[i].quads.size());
+  }
+}
+
+TEST_CASE("cgnscheck has nothing to say of the CGNS files, and they read back as they were") {
+  const bool have_cgnscheck = have_program("cgnscheck");
+  for (const auto& [name, mesh] : samples()) {
+    CAPTURE(name);
+    const ScratchFolder folder;
+    const fs::path structured = folder.path() / "structured.cgns", unstructured = folder.path() / "one.cgns";
+    const BlockMesh cells = blocks_of_cells(mesh);
+    write_cgns(structured, cells, merge_blocks(cells));
+    write_cgns_unstructured(unstructured, mesh);
+    for (const fs::path& file : {structured, unstructured}) {
+      CAPTURE(file);
+      const HexMesh read = read_mesh(file);
+      check_same_mesh(read, mesh);
+      for (std::size_t i = 0; i < mesh.patches().size(); ++i) {
+        CHECK(read.patches()[i].type == mesh.patches()[i].type);
+      }
+      if (!have_cgnscheck) continue;
+      const PeerRun said = run("cgnscheck '" + file.string() + "'");
+      CAPTURE(said.output);
+      CHECK(said.exit_code == 0);
+      CHECK(said.output.find("WARNING") == std::string::npos);
+      CHECK(said.output.find("ERROR") == std::string::npos);
+      CHECK(said.output.find("checking") != std::string::npos);
+    }
+    const std::string text = read_text(unstructured);
+    for (const std::size_t length : {std::size_t{0}, std::size_t{100}, text.size() / 2}) {
+      std::ofstream(folder.path() / "cut.cgns", std::ios::binary) << text.substr(0, length);
+      try {
+        read_mesh(folder.path() / "cut.cgns");
+        FAIL("was read");
+      } catch (const Error& e) {
+        CHECK(e.kind() == ErrorKind::input);
+        CHECK(std::string(e.what()).starts_with((folder.path() / "cut.cgns").string()));
+      }
     }
   }
 }
