@@ -11,6 +11,7 @@
 #include "core/base/error.hpp"
 #include "core/export/write_cgns.hpp"
 #include "core/export/write_gmsh.hpp"
+#include "core/export/write_plot3d.hpp"
 #include "core/export/write_polymesh.hpp"
 #include "core/export/write_su2.hpp"
 #include "core/export/write_vtu.hpp"
@@ -21,24 +22,22 @@ namespace flowcage {
 namespace fs = std::filesystem;
 namespace {
 
-enum class Format { vtu, cgns, gmsh, su2, foam_file, folder };
+enum class Format { vtu, cgns, plot3d, gmsh, su2, foam_file, folder };
 constexpr const char* known_formats =
-    "give X.vtu, X.cgns, X.msh, X.su2, X.foam or a folder (with / at its end)";
+    "give X.vtu, X.cgns, X.xyz, X.msh, X.su2, X.foam or a folder (with / at its end)";
 
 Format format_of(const std::string& name) {
   const std::string extension = lower_extension(name);
   if (extension == ".vtu") return Format::vtu;
   if (extension == ".cgns") return Format::cgns;
+  if (extension == ".xyz" || extension == ".p3d") return Format::plot3d;
   if (extension == ".msh") return Format::gmsh;
   if (extension == ".su2") return Format::su2;
   if (extension == ".foam") return Format::foam_file;
   if (extension.empty() || fs::is_directory(name)) return Format::folder;
-  for (const char* later : {".vtm", ".xyz", ".p3d"}) {
-    if (extension == later) {
-      throw Error(ErrorKind::usage,
-                  fmt::format("-o: {}: the format {} is not in this version", name, extension),
-                  known_formats);
-    }
+  if (extension == ".vtm") {
+    throw Error(ErrorKind::usage, fmt::format("-o: {}: the format .vtm is not in this version", name),
+                known_formats);
   }
   throw Error(ErrorKind::usage, fmt::format("-o: {}: unknown mesh format {}", name, extension),
               known_formats);
@@ -72,6 +71,7 @@ struct MeshOutputs::Output {
   Format format;
   std::string name;
   std::unique_ptr<AtomicFile> file;
+  std::unique_ptr<AtomicFile> map;  ///< beside a Plot3D grid
   std::unique_ptr<AtomicFolder> poly_mesh;
   fs::path case_folder;
   std::string foam_file;
@@ -95,6 +95,9 @@ MeshOutputs::MeshOutputs(const Options& options) : unit_(options.unit), unstruct
       output.foam_file = "case.foam";
     } else {
       output.file = std::make_unique<AtomicFile>(path);
+      if (output.format == Format::plot3d) {
+        output.map = std::make_unique<AtomicFile>(fs::path(path).replace_extension(".nmf"));
+      }
       continue;
     }
     output.poly_mesh =
@@ -128,6 +131,10 @@ void MeshOutputs::write(const HexView& mesh, const std::vector<double>& deviatio
         notes = write_cgns(output.file->path(), blocks.mesh(), blocks.merged(), settings, &progress);
         break;
       }
+      case Format::plot3d:
+        write_plot3d(output.file->stream(), blocks.mesh(), blocks.merged(), &progress);
+        notes = write_neutral_map(output.map->stream(), blocks.mesh(), blocks.merged());
+        break;
       case Format::gmsh:
         notes = write_gmsh(output.file->stream(), mesh, &progress);
         break;
@@ -149,6 +156,7 @@ void MeshOutputs::write(const HexView& mesh, const std::vector<double>& deviatio
 void MeshOutputs::commit() {
   for (Output& output : outputs_) {
     if (output.file) output.file->commit();
+    if (output.map) output.map->commit();
     if (output.poly_mesh) {
       output.poly_mesh->commit();
       write_case_files(output.case_folder, output.foam_file);

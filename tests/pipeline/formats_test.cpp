@@ -1,9 +1,12 @@
 // One mesh in every format, as each format's own programs read it.
 #include <fstream>
+#include <map>
+#include <sstream>
 
 #include "core/export/read_mesh.hpp"
 #include "core/export/write_cgns.hpp"
 #include "core/export/write_gmsh.hpp"
+#include "core/export/write_plot3d.hpp"
 #include "core/export/write_polymesh.hpp"
 #include "core/export/write_su2.hpp"
 #include "tests/catch.hpp"
@@ -182,6 +185,59 @@ TEST_CASE("cgnscheck has nothing to say of the CGNS files, and they read back as
         CHECK(std::string(e.what()).starts_with((folder.path() / "cut.cgns").string()));
       }
     }
+  }
+}
+
+TEST_CASE("plot3dToFoam reads the Plot3D grid; its neutral map covers every outer face once") {
+  const bool have_foam = have_program("plot3dToFoam");
+  for (const auto& [name, mesh] : samples()) {
+    CAPTURE(name);
+    const ScratchFolder folder;
+    const BlockMesh cells = blocks_of_cells(mesh);
+    const StructuredBlocks merged = merge_blocks(cells);
+    std::stringstream map;
+    {
+      std::ofstream grid(folder.path() / "a.xyz");
+      write_plot3d(grid, cells, merged);
+      write_neutral_map(map, cells, merged);
+    }
+    if (have_foam) {
+      write_case_files(folder.path(), "case.foam");
+      const PeerRun said = run(foam + "plot3dToFoam -noBlank -case '" + folder.path().string() + "' '" +
+                               (folder.path() / "a.xyz").string() + "'");
+      CAPTURE(said.output);
+      const HexMesh read = read_mesh(folder.path());
+      CHECK(read.cell_count() == mesh.cell_count());
+      CHECK(read.points().size() == mesh.points().size());
+      CHECK(enclosed_volume(read) == Approx(enclosed_volume(mesh)).epsilon(1e-9));
+    }
+    // The ranges of the map, read as a solver reads them.
+    std::string line, patch;
+    std::size_t outer = 0;
+    std::map<std::string, std::size_t> faces;
+    while (std::getline(map, line)) {
+      std::istringstream words(line);
+      std::string type;
+      words >> type;
+      if (type == "#") {
+        words >> type >> patch;
+      } else if (type == "WALL" || type == "FARFIELD" || type == "SYMMETRY" || type == "INFLOW" ||
+                 type == "OUTFLOW") {
+        std::size_t block = 0, face = 0, s1 = 0, e1 = 0, s2 = 0, e2 = 0;
+        REQUIRE(words >> block >> face >> s1 >> e1 >> s2 >> e2);
+        const auto size = merged.blocks.at(block - 1).cells();
+        const std::array<int, 3> flat{2, 0, 1};
+        const int d = flat[(face - 1) / 2];
+        CHECK(e1 <= static_cast<std::size_t>(size[(d + 1) % 3]) + 1);
+        CHECK(e2 <= static_cast<std::size_t>(size[(d + 2) % 3]) + 1);
+        faces[patch] += (e1 - s1) * (e2 - s2);
+        outer += (e1 - s1) * (e2 - s2);
+      }
+    }
+    std::size_t quads = 0;
+    for (const BoundaryPatch& p : mesh.patches()) quads += p.quads.size();
+    CHECK(outer == quads);
+    CHECK(faces[mesh.patches()[0].name] == mesh.patches()[0].quads.size());
   }
 }
 
