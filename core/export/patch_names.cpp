@@ -59,7 +59,7 @@ PatchNames legal_patch_names(const HexView& mesh) {
   return legal_patch_names(given);
 }
 
-PatchType patch_type_of_name(const std::string& name) {
+PatchType foreign_patch_type(const std::string& name) {
   std::string lower = name;
   for (char& c : lower) {
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');

@@ -20,6 +20,6 @@ PatchNames legal_patch_names(const HexView& mesh);
 
 /// The type that a name suggests, for files that have names alone: farfield, symmetry, inlet or outlet if the
 /// name contains "far", "sym", "inlet" or "inflow", "outlet" or "outflow" (capitals or not), else wall.
-PatchType patch_type_of_name(const std::string& name);
+PatchType foreign_patch_type(const std::string& name);
 
 }  // namespace flowcage

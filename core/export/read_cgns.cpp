@@ -127,7 +127,7 @@ class CgnsReader {
 
   std::size_t patch_named(const std::string& name) {
     const auto [it, fresh] = patch_of_name_.try_emplace(name, patches_.size());
-    if (fresh) patches_.push_back({name, patch_type_of_name(name), {}, {}});
+    if (fresh) patches_.push_back({name, foreign_patch_type(name), {}, {}});
     return it->second;
   }
 

@@ -207,7 +207,7 @@ class GmshReader {
         it->second.name = key.first              ? fmt::format("surface{}", key.second)
                           : name != names_.end() ? name->second
                                                  : fmt::format("group{}", key.second);
-        it->second.type = patch_type_of_name(it->second.name);
+        it->second.type = foreign_patch_type(it->second.name);
       }
       it->second.quads.push_back(quad);
     } else if (type == gmsh_point) {

@@ -26,7 +26,7 @@ HexMesh read_vtu(const std::filesystem::path& file);
 /// Reads a Gmsh mesh, ASCII, format 2 or 4.1: linear hexes and quads; points and lines are passed over, other
 /// elements are refused. Patches are the quads' physical groups (without one: "surfaceN" of the entity), in
 /// the order of their numbers; points come in the order of their numbers. Types of patches by
-/// patch_type_of_name; faces without a quad as in read_vtu.
+/// foreign_patch_type; faces without a quad as in read_vtu.
 HexMesh read_gmsh(const std::filesystem::path& file);
 
 /// Reads an SU2 mesh, three-dimensional, one zone. Patches are its markers, their types as in read_gmsh.

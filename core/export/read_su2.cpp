@@ -65,7 +65,7 @@ class Su2Reader {
     } else if (key == "MARKER_TAG") {
       quads_follow_ = false;
       patches_.push_back({std::string(scanner_.word()), PatchType::wall, {}, {}});
-      patches_.back().type = patch_type_of_name(patches_.back().name);
+      patches_.back().type = foreign_patch_type(patches_.back().name);
     } else if (key == "MARKER_ELEMS") {
       read_quads();
     } else if (key == "NZONE" && scanner_.integer("the number of zones") != 1) {
