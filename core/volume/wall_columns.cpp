@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "core/base/parallel.hpp"
 #include "core/mesh/hex_numbering.hpp"
@@ -33,7 +34,11 @@ WallColumns wall_columns(const BlockMesh& mesh, const WallBlocks& blocks, Index 
   for (Index f = 0; f < blocks.wall.face_count(); ++f) {
     if (chord == no_index || seat_edge(blocks, f).chord == chord) faces.push_back(f);
   }
-  std::vector<Index> line_at(mesh.points().size(), no_index);
+  // By a line's first two points: where the wall is cut, several lines leave one of its points.
+  std::map<std::array<Index, 2>, Index> line_at;
+  const auto first_points = [&](const WallLine& line) {
+    return std::array<Index, 2>{line_point(mesh, blocks, line, 0), line_point(mesh, blocks, line, 1)};
+  };
   const auto divisions = [&](Index f) {
     // Chords of the face's first and last side.
     const auto n = mesh.dims(blocks.seats[f].block);
@@ -50,16 +55,14 @@ WallColumns wall_columns(const BlockMesh& mesh, const WallBlocks& blocks, Index 
     const auto n = divisions(f);
     for (Index j = 0; j <= n[1]; ++j) {
       for (Index i = 0; i <= n[0]; ++i) {
-        Index& line = line_at[line_point(mesh, blocks, {f, i, j}, 0)];
-        if (line != no_index) continue;
-        line = static_cast<Index>(columns.lines.size());
-        columns.lines.push_back({f, i, j});
+        const auto number = static_cast<Index>(columns.lines.size());
+        if (line_at.try_emplace(first_points({f, i, j}), number).second) columns.lines.push_back({f, i, j});
       }
     }
   }
   for (const Index f : faces) {
     const auto n = divisions(f);
-    const auto at = [&](Index i, Index j) { return line_at[line_point(mesh, blocks, {f, i, j}, 0)]; };
+    const auto at = [&](Index i, Index j) { return line_at.at(first_points({f, i, j})); };
     for (Index j = 0; j < n[1]; ++j) {
       for (Index i = 0; i < n[0]; ++i) {
         const std::array<Index, 4> face{at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)};

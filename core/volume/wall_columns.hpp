@@ -6,8 +6,9 @@
 
 namespace flowcage {
 
-/// The lines of a block mesh that leave its wall, each once, and the wall's net between them: what spreading,
-/// turning and layers work on. Lines are numbered by the first face that sees them, i fastest.
+/// The lines of a block mesh that leave its wall, each once (several from one point where the wall is cut,
+/// each with its own neighbours), and the wall's net between them: what spreading, turning and layers work
+/// on. Lines are numbered by the first face that sees them, i fastest.
 struct WallColumns {
   std::vector<WallLine> lines;
   std::vector<std::array<Index, 4>>

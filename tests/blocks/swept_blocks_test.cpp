@@ -8,6 +8,7 @@
 #include "core/quality/quality_report.hpp"
 #include "core/subdivide/refine.hpp"
 #include "core/volume/start_swept.hpp"
+#include "core/volume/wall_columns.hpp"
 #include "occ_bridge/shapes.hpp"
 #include "tests/blocks/swept_bodies.hpp"
 #include "tests/catch.hpp"
@@ -139,6 +140,17 @@ TEST_CASE("the mesh of a wing is valid, fits and is near its topology's bound") 
     CHECK(q.scaled_jacobian.min > 0.25);
     CHECK(q.scaled_jacobian.mean > 0.94);
     CHECK(check_mesh_failures(q).empty());
+  }
+}
+
+TEST_CASE("each vertex of the cut wall has a column of its own") {
+  for (const char* name : {"wing_sharp", "wing_blunt"}) {
+    INFO(name);
+    const SweptBlocks swept = make_swept_blocks(make_swept_body(name), {}, name);
+    const std::vector<SurfaceLevel> levels = build_levels(swept.cage, 1);
+    const BlockMesh mesh = start_swept_volume(swept, refine_points(levels, swept.cage.points), 2);
+    const WallColumns columns = wall_columns(mesh, swept.blocks);
+    CHECK(columns.lines.size() == static_cast<std::size_t>(swept.blocks.wall.vertex_count()));
   }
 }
 
