@@ -165,6 +165,9 @@ class SweptSource final : public BlockSource {
     straighten_base(swept_, cut, level, points);
   }
   BoundaryFreedom freedom(const BlockMesh& mesh) const override { return planar_freedom(mesh); }
+  /// The coarse cells at a tip do not know its curves: two of the fit's levels have to be shaped.
+  Offset whole_mesh_cells() const override { return 150000; }
+  bool shape_start() const override { return true; }  // its blocks are straight from the wall to the box
 
  private:
   /// Cells on outward chords so that they grow by 1.4 at most after the refinements.

@@ -44,6 +44,10 @@ class BlockSource {
   /// Puts the rest of the boundary where it belongs after `refinements`; `last`: the final places.
   virtual void place_outer(BlockMesh&, const SurfaceLevel&, int /*refinements*/, bool /*last*/) const {}
   virtual BoundaryFreedom freedom(const BlockMesh& mesh) const = 0;
+  /// Meshes up to this size are shaped as a whole; finer ones inherit that and are mended where need be.
+  virtual Offset whole_mesh_cells() const { return 30000; }
+  /// Whether start() wants shaping before any refinement.
+  virtual bool shape_start() const { return false; }
   /// Refuses a fit that the blocks cannot stand on. Throws Error(input).
   virtual void check(const SurfaceFit&, const TargetSurface&) const {}
 };

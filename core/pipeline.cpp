@@ -147,9 +147,6 @@ int affordable_levels(const FitSettings& fit, int least, const std::string& cage
                           : std::string("give a coarser cage or a larger machine"));
 }
 
-// Meshes up to this size are shaped as a whole; finer ones inherit that and are mended where need be.
-constexpr Offset whole_mesh_cells = 30000;
-
 struct ShapedMesh {
   BlockMesh mesh;
   SurfaceLevel cut;               ///< the blocks' wall refined to the last level
@@ -184,7 +181,7 @@ ShapedMesh shaped_blocks(const BlockSource& source, const VolumeSettings& settin
       source.place_outer(mesh, shaped.cut, level - first, false);
       if (level == first + 1) source.spread(mesh, level, last);
     }
-    if (level > first && mesh.cell_count() <= whole_mesh_cells) {
+    if ((level > first || source.shape_start()) && mesh.cell_count() <= source.whole_mesh_cells()) {
       smooth_blocks(mesh, source.freedom(mesh), progress);
     } else {
       mend_blocks(mesh, source.freedom(mesh), progress);

@@ -37,6 +37,8 @@ int main(int argc, char** argv) {
   std::vector<int> levels{2};
   int worst = 0;
   bool stations = false;
+  double first_height = 0;
+  LayerSettings layers;
   std::string picture;
   CLI::App app{"figures of the swept-body route"};
   app.add_option("--body", names, "bodies built in code (default: all, where no file is given)");
@@ -44,12 +46,14 @@ int main(int argc, char** argv) {
   app.add_option("--levels", levels, "levels of the cage");
   app.add_option("--worst", worst, "worst cells to list by place");
   app.add_flag("--stations", stations, "only find the body: its axes, ends and sections");
+  app.add_option("--first-height", first_height, "of boundary layers, in the body's largest extent");
+  app.add_option("--growth", layers.growth, "of boundary layers");
   app.add_option("--vtu", picture, "write the last mesh");
   CLI11_PARSE(app, argc, argv);
   if (names.empty() && files.empty()) names = swept_body_names();
-  fmt::print("{:<18} {:>2} {:>6} {:>6} {:>8} {:>4} {:>4} {:>6} {:>6} {:>6} {:>8} {:>8} {:>8} {:>7} {}\n",
-             "body", "L", "rings", "blocks", "cells", "inv", "unp", "minSJ", "meanSJ", "nonort", "skew",
-             "maxdev", "coverage", "seconds", "checkMesh");
+  fmt::print("{:<18} {:>2} {:>6} {:>8} {:>4} {:>4} {:>6} {:>6} {:>6} {:>8} {:>8} {:>8} {:>7} {}\n", "body",
+             "L", "blocks", "cells", "inv", "unp", "minSJ", "meanSJ", "nonort", "skew", "maxdev", "coverage",
+             "seconds", "checkMesh");
   std::vector<std::string> all = names;
   all.insert(all.end(), files.begin(), files.end());
   Progress silent;
@@ -65,21 +69,17 @@ int main(int argc, char** argv) {
           print_body(find_swept_body(cad, all[n]));
           continue;
         }
-        const SweptMesh r = mesh_swept_body(cad, all[n], level, silent);
-        const QualityReport q = measure_quality(r.mesh, build_hex_adjacency(r.mesh), {}, &silent);
+        layers.first_height = first_height * cad.bounds().sizes().maxCoeff();
+        const VolumeResult r = mesh_swept_body(cad, all[n], level, layers, silent);
+        const QualityReport& q = r.quality;
         std::string failures;
         for (const std::string& f : check_mesh_failures(q)) failures += (failures.empty() ? "" : "; ") + f;
         fmt::print(
-            "{:>6} {:>6} {:>8} {:>4} {:>4} {:>6.3f} {:>6.3f} {:>6.1f} {:>8.2f} {:>8.1e} {:>8.1e} {:>7.1f} "
+            "{:>6} {:>8} {:>4} {:>4} {:>6.3f} {:>6.3f} {:>6.1f} {:>8.2f} {:>8.1e} {:>8.1e} {:>7.1f} "
             "{}\n",
-            r.swept.body.sections.size(), q.blocks, q.cells, q.inverted_cells, r.validity.uncertified,
-            q.scaled_jacobian.min, q.scaled_jacobian.mean, q.non_orthogonality.max, q.skewness.max,
-            r.fit.max_deviation, r.fit.coverage_deviation, cpu_seconds() - start,
-            failures.empty() ? "Mesh OK" : failures);
-        if (r.start.inverted > 0) {
-          fmt::print("    {} of the blocks' cells were inverted before smoothing\n", r.start.inverted);
-        }
-        for (const std::string& w : r.swept.body.warnings) fmt::print("    {}\n", w);
+            q.blocks, q.cells, q.inverted_cells, r.validity.uncertified, q.scaled_jacobian.min,
+            q.scaled_jacobian.mean, q.non_orthogonality.max, q.skewness.max, r.fit.max_deviation,
+            r.fit.coverage_deviation, cpu_seconds() - start, failures.empty() ? "Mesh OK" : failures);
         for (const std::string& w : r.fit.warnings) fmt::print("    {}\n", w);
         for (int k = 0; k < std::min<int>(worst, static_cast<int>(q.scaled_jacobian.worst.size())); ++k) {
           const WorstCell& w = q.scaled_jacobian.worst[k];

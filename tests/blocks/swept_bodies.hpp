@@ -1,12 +1,9 @@
-// Wings that the swept-body route is judged by, and the way from CAD to a shaped volume mesh on it.
+// Wings that the swept-body route is judged by, and the program's way from CAD to a mesh round them.
 #pragma once
 #include <string>
 #include <vector>
 
-#include "core/blocks/swept_blocks.hpp"
-#include "core/mesh/block_mesh.hpp"
-#include "core/optimise/hex_validity.hpp"
-#include "core/refit/fit_surface.hpp"
+#include "core/pipeline.hpp"
 #include "occ_bridge/cad_model.hpp"
 
 namespace flowcage::test {
@@ -17,15 +14,8 @@ std::vector<std::string> swept_body_names();
 CadModel make_swept_body(const std::string& name);
 CadModel read_swept_cad(const std::string& file);
 
-struct SweptMesh {
-  SweptBlocks swept;
-  SurfaceFit fit;
-  BlockMesh mesh;
-  HexValidity start;     ///< of the blocks before any smoothing
-  HexValidity validity;  ///< of the mesh
-};
-
-/// Blocks, fit, refinement that follows the fit, smoothing: to level `levels` of the cage, without layers.
-SweptMesh mesh_swept_body(const CadModel& cad, const std::string& name, int levels, Progress& progress);
+/// Blocks, fit and mesh as the program makes them, to level `levels` of the cage.
+VolumeResult mesh_swept_body(const CadModel& cad, const std::string& name, int levels,
+                             const LayerSettings& layers, Progress& progress);
 
 }  // namespace flowcage::test
