@@ -15,16 +15,28 @@ CadModel model_of(const Shape& shape) {
   return cad_model_of(shape, {}, silent);
 }
 
-FitBody wing_body(const std::string& name, double half_base) {
-  WingCageShape cage;
-  cage.half_base = half_base;
+HalfWing half_wing(const WingCageShape& cage) {
   HalfWing wing;
   wing.airfoil = naca_symmetric(cage.thickness, cage.half_base);
   wing.root_chord = cage.root_chord;
   wing.tip_chord = cage.tip_chord;
   wing.semi_span = cage.semi_span;
   wing.leading_edge_sweep_degrees = cage.sweep_degrees;
-  return {name, model_of(make_half_wing(wing)), wing_cage(cage), {2e-5, 5e-6, 1.2e-6}};
+  if (cage.rounded_tip) wing.tip = WingTip::rounded;
+  return wing;
+}
+
+FitBody wing_body(const std::string& name, double half_base) {
+  WingCageShape cage;
+  cage.half_base = half_base;
+  return {name, model_of(make_half_wing(half_wing(cage))), wing_cage(cage), {2e-5, 5e-6, 1.2e-6}};
+}
+
+FitBody rounded_tip_body(const std::string& name, double half_base) {
+  WingCageShape cage;
+  cage.half_base = half_base;
+  cage.rounded_tip = true;
+  return {name, model_of(make_half_wing(half_wing(cage))), wing_cage(cage), {4e-4, 2e-4, 1.5e-4}};
 }
 
 FitBody winged_fuselage_body(const std::string& name) {
@@ -76,6 +88,7 @@ const std::vector<Maker>& makers() {
       {"wing_sharp", [](const std::string& name) { return wing_body(name, 0); }},
       {"wing_blunt", [](const std::string& name) { return wing_body(name, 0.0025); }},
       {"wing_thin_base", [](const std::string& name) { return wing_body(name, 0.0005); }},
+      {"wing_round_tip_blunt", [](const std::string& name) { return rounded_tip_body(name, 0.0005); }},
       {"rounded_box",
        [](const std::string& name) {
          const Vec3 half(0.6, 0.5, 0.4);

@@ -133,6 +133,20 @@ TEST_CASE("cages so rough that upper and lower side or the nose's vertex are mis
   }
 }
 
+TEST_CASE("a blunt trailing edge of 0.1 % of the chord into a rounded tip: no fold at any level",
+          "[fit][cad]") {
+  // The rim of the base's half disc (radius 1.2e-4 of the diagonal) is far below a cell's size: a crease
+  // of one cage edge follows it.
+  const FitBody body = make_fit_body("wing_round_tip_blunt");
+  const SurfaceFit fit = fitted(body.cage, body.cad, 5);
+  CHECK(fit.unmatched_chains.empty());
+  CHECK(fit.max_deviation < body.asked[2]);
+  CHECK(fit.rms_deviation < 3e-6);
+  // What is left lies at the end of the trailing edge.
+  CHECK((fit.worst_place - Vec3(1.5326, 2, 0)).norm() < 0.01);
+  check_root_plane(fit);
+}
+
 TEST_CASE("ONERA M6 half wing: sharp trailing edge into a rounded tip", "[fit][cad]") {
   Progress silent;
   const CadModel model = cad_model_of(make_onera_m6(), {}, silent);

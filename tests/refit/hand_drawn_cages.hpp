@@ -137,6 +137,7 @@ struct WingCageShape {
   double half_base = 0;                           ///< of the chord; 0: sharp trailing edge
   std::vector<double> stations{0, 0.35, 0.7, 1};  ///< of the span
   double thickness = 0.12;
+  bool rounded_tip = false;  ///< a cap that bulges outboard and goes on smoothly, but for a blunt base's end
 };
 
 inline double naca_half_thickness(double x, double thickness, double half_base) {
@@ -176,11 +177,18 @@ inline Cage wing_cage(const WingCageShape& wing) {
     if (blunt) add_crease(cage, n * r + n - 1, n * (r + 1) + n - 1);
   }
   const Index tip = n * (rings - 1);
-  for (Index i = 0; i < n; ++i) add_crease(cage, tip + i, tip + (i + 1) % n);
+  for (Index i = 0; i < n; ++i) {
+    if (!wing.rounded_tip || (blunt && i == n - 1)) add_crease(cage, tip + i, tip + (i + 1) % n);
+  }
+  if (wing.rounded_tip && !blunt) cage.corners.push_back({tip, infinitely_sharp});
   const Index front = static_cast<Index>(cage.points.size());
-  cage.points.push_back(at(1, 0.2, 0));
   const Index back = front + 1;
-  cage.points.push_back(at(1, 0.6, 0));
+  for (const double along : {0.2, 0.6}) {
+    cage.points.push_back(at(1, along, 0));
+    if (wing.rounded_tip) {
+      cage.points.back().y() += wing.tip_chord * naca_half_thickness(along, wing.thickness, wing.half_base);
+    }
+  }
   if (blunt) {
     add_face(cage, {tip + 6, tip + 5, back, tip + 1, tip});
   } else {
