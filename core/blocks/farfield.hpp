@@ -11,13 +11,13 @@ struct FarField {
   double body_lengths = 20;
 };
 
-/// A shell from a cage to a sphere, box or bullet. The cage's faces are carried to the sphere by a fold-free map
-/// (blocks/spherical_embedding), to the others by projection from the centre, of a box, with the box's edges on edges of
-/// the mesh where the cage's connectivity allows it (blocks/box_edges); Shell::box_edges_sharp tells.
-/// `body` is the bounding box of the CAD (or of the cage, where that is empty); a half model's far field is
-/// cut by the symmetry plane. Throws Error(input) as build_shell does, and when the cage's genus is not 0 (an
-/// outer polyhedron of the same genus is needed), or its map folds; Error(usage) when the size does not clear
-/// the body.
+/// A shell from a cage to a sphere, box or bullet. The cage's faces are carried to the sphere by a fold-free
+/// map (blocks/spherical_embedding), to the others by projection from the centre, of a box, with the box's
+/// edges on edges of the mesh where the cage's connectivity allows it (blocks/box_edges);
+/// Shell::box_edges_sharp tells. `body` is the bounding box of the CAD (or of the cage, where that is empty);
+/// a half model's far field is cut by the symmetry plane. Throws Error(input) as build_shell does, and when
+/// the cage's genus is not 0 (an outer polyhedron of the same genus is needed), or its map folds;
+/// Error(usage) when the size does not clear the body.
 Shell build_farfield_shell(const Cage& cage, const FarField& settings, const Box3& body);
 
 /// Control points of the outer surface after `depth` refinements of the shell's outer level, in the numbering
