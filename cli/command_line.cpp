@@ -10,6 +10,7 @@
 
 #include "core/base/error.hpp"
 #include "core/base/suggestion.hpp"
+#include "core/export/write_cgns.hpp"
 #include "occ_bridge/occ_version.hpp"
 
 namespace flowcage {
@@ -187,8 +188,9 @@ void check_opposites(const CLI::App& app) {
 }  // namespace
 
 std::string version_text() {
-  return fmt::format("flowcage {}\nOpenCASCADE {}\nEigen {}.{}.{}\n", FLOWCAGE_VERSION, occ_version(),
-                     EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION);
+  return fmt::format("flowcage {}\nOpenCASCADE {}\nEigen {}.{}.{}\nCGNS {}\n", FLOWCAGE_VERSION,
+                     occ_version(), EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION,
+                     cgns_version());
 }
 
 Request parse_command_line(const std::vector<std::string>& arguments) {

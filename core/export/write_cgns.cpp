@@ -125,6 +125,10 @@ class CgnsWriter {
 
 }  // namespace
 
+std::string cgns_version() {
+  return fmt::format("{}.{}.{}", CGNS_VERSION / 1000, CGNS_VERSION / 100 % 10, CGNS_VERSION / 10 % 10);
+}
+
 std::vector<std::string> write_cgns(const std::filesystem::path& file, const BlockMesh& mesh,
                                     const StructuredBlocks& blocks, const CgnsSettings& settings,
                                     Progress* progress) {

@@ -8,6 +8,9 @@
 
 namespace flowcage {
 
+/// Of the CGNS library: "3.4.0".
+std::string cgns_version();
+
 struct CgnsSettings {
   std::string unit = "m";                  ///< of the points: m, mm, in or ft
   std::string shown_as = "the CGNS file";  ///< how messages call the file

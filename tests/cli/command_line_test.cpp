@@ -63,7 +63,7 @@ TEST_CASE("help and version go to stdout") {
   const ProgramRun version = run_flowcage({"--version"});
   CHECK(version.exit_code == 0);
   CHECK(version.err.empty());
-  for (const char* name : {"flowcage 0.", "OpenCASCADE 7.", "Eigen 3."})
+  for (const char* name : {"flowcage 0.", "OpenCASCADE 7.", "Eigen 3.", "CGNS 3."})
     CHECK_THAT(version.out, contains_text(name));
   const ProgramRun help = run_flowcage({"--help"});
   CHECK(help.exit_code == 0);
