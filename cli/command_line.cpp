@@ -8,6 +8,7 @@
 #include <array>
 #include <memory>
 
+#include "cli/config_file.hpp"
 #include "core/base/error.hpp"
 #include "core/base/suggestion.hpp"
 #include "core/export/write_cgns.hpp"
@@ -223,6 +224,12 @@ Request parse_command_line(const std::vector<std::string>& arguments) {
     app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
     check_opposites(active);
     request.command = named->first->command;
+    if (!request.options.config.empty()) {
+      const auto given = [&active](const OptionSpec& row) {
+        return active.count("--" + row.name) > 0 || (row.negatable && active.count("--no-" + row.name) > 0);
+      };
+      read_config(*request.command, given, request.options);
+    }
   } catch (const CLI::CallForHelp&) {
     request.text = has_command ? active.help("flowcage") : app.help();
   } catch (const CLI::CallForVersion&) {

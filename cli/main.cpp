@@ -5,13 +5,23 @@
 
 #include "cli/command_line.hpp"
 #include "cli/commands/commands.hpp"
+#include "cli/config_file.hpp"
 #include "cli/interruption.hpp"
 #include "cli/output_names.hpp"
 #include "cli/terminal.hpp"
+#include "core/base/atomic_file.hpp"
 #include "core/base/parallel.hpp"
 
 namespace flowcage {
 namespace {
+
+/// Before the work: also a run that fails can be repeated.
+void save_config(Command command, const Options& options) {
+  if (options.save_config.empty()) return;
+  AtomicFile file(options.save_config);
+  file.stream() << config_text(command, options);
+  file.commit();
+}
 
 int run(const Request& request, const Interruption& interruption) {
   if (!request.command) {
@@ -20,6 +30,7 @@ int run(const Request& request, const Interruption& interruption) {
   }
   const Options& options = request.options;
   check_output_names(*request.command, options);
+  save_config(*request.command, options);
   set_thread_count(options.threads);
   TerminalProgress progress(interruption, options.quiet);
   switch (*request.command) {

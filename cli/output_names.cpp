@@ -33,8 +33,10 @@ void check_output_names(Command command, const Options& options) {
   for (const std::string& name : options.inputs) inputs.emplace_back("the input", name);
   if (options.cage != "auto") inputs.emplace_back("--cage", options.cage);
   if (!options.outer.empty()) inputs.emplace_back("--outer", options.outer);
+  if (!options.config.empty()) inputs.emplace_back("--config", options.config);
   for (const std::string& name : options.outputs) outputs.emplace_back("-o", name);
   if (!options.json.empty()) outputs.emplace_back("--json", options.json);
+  if (!options.save_config.empty()) outputs.emplace_back("--save-config", options.save_config);
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     const auto& [option, name] = outputs[i];
     if (name.empty()) {

@@ -81,6 +81,7 @@ std::string shown_number(const Field& field) {
 template <typename Field>
 OptionSpec number(OptionSpec row, Field Options::*field, const Range& range) {
   row.range = range.text(row.value_name);
+  row.numeric = true;
   row.set = [row, field, range](Options& options, const std::string& text) {
     options.*field = parse_number<typename Unwrapped<Field>::type>(row, text, range);
   };
@@ -114,6 +115,7 @@ OptionSpec texts(OptionSpec row, std::vector<std::string> Options::*field) {
     (options.*field).push_back(value);
   };
   row.show = [field](const Options& options) { return fmt::format("{}", fmt::join(options.*field, ", ")); };
+  row.values = [field](const Options& options) { return options.*field; };
   return row;
 }
 
@@ -164,10 +166,6 @@ OptionSpec in_unit(OptionSpec r, std::string unit) {
   r.unit = std::move(unit);
   return r;
 }
-OptionSpec later(OptionSpec r) {
-  r.later = true;
-  return r;
-}
 OptionSpec later_for(OptionSpec r, unsigned commands) {
   r.later_commands = commands;
   return r;
@@ -200,7 +198,8 @@ std::vector<OptionSpec> make_table() {
 
   group(
       "Cage and blocks",
-      {text(without(row("cage", "FILE", fitting, "inner polyhedron (OBJ, see docs/cages.md), or blocks: a coarse hex mesh file"),
+      {text(without(row("cage", "FILE", fitting,
+                        "inner polyhedron (OBJ, see docs/cages.md), or blocks: a coarse hex mesh file"),
                     "mesh: blocks are made without one; surface: required"),
             &Options::cage),
        text(without(row("outer", "FILE", mesh,
@@ -308,10 +307,14 @@ std::vector<OptionSpec> make_table() {
                         "the CAD's"),
                 &Options::cage_unit)});
   group("General",
-        {text(later(without(
-                  row("config", "FILE.toml", fitting, "options by their long names; the command line wins"),
-                  "none")),
+        {text(without(row("config", "FILE.toml", every_command,
+                          "options by their long names; the command line wins"),
+                      "none"),
               &Options::config),
+         text(without(row("save-config", "FILE.toml", every_command,
+                          "write the options in force, to be read with --config"),
+                      "none"),
+              &Options::save_config),
          number(without(row("threads", "N", every_command, "threads; the result does not depend on it"),
                         "all cores"),
                 &Options::threads, {0, 1024}),

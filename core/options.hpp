@@ -48,7 +48,7 @@ struct Options {
   std::string unit = "m";
   std::string cad_unit, cage_unit;
 
-  std::string config, json, report;
+  std::string config, save_config, json, report;
   int threads = 0;
   Offset seed = 0;
   bool quiet = false, force = false;
@@ -79,12 +79,15 @@ struct OptionSpec {
   unsigned later_commands = 0;  ///< those of `commands` that this version refuses it for
   bool negatable = false;       ///< a flag with a --no- form
   bool repeatable = false;      ///< each use adds a value
+  bool numeric = false;         ///< the value is a number
 
   /// Sets the value from text ("true" and "false" for flags); throws Error(usage) that names option, value
   /// and range.
   std::function<void(Options&, const std::string&)> set;
   /// The value as text; empty if not given.
   std::function<std::string(const Options&)> show;
+  /// Of a repeatable option: its values in the order given.
+  std::function<std::vector<std::string>(const Options&)> values;
 
   bool is_flag() const { return value_name.empty(); }
   bool belongs_to(Command command) const { return (commands & static_cast<unsigned>(command)) != 0; }
