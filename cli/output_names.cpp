@@ -35,6 +35,12 @@ void check_output_names(Command command, const Options& options) {
   if (!options.outer.empty()) inputs.emplace_back("--outer", options.outer);
   if (!options.config.empty()) inputs.emplace_back("--config", options.config);
   for (const std::string& name : options.outputs) outputs.emplace_back("-o", name);
+  for (const std::string& name : options.outputs) {  // a Plot3D grid has its map file beside it
+    const std::string extension = lower_extension(name);
+    if (extension != ".xyz" && extension != ".p3d") continue;
+    outputs.emplace_back("the map file of -o " + name, fs::path(name).replace_extension(".nmf").string());
+  }
+  if (!options.report.empty()) outputs.emplace_back("--report", options.report);
   if (!options.json.empty()) outputs.emplace_back("--json", options.json);
   if (!options.save_config.empty()) outputs.emplace_back("--save-config", options.save_config);
   for (std::size_t i = 0; i < outputs.size(); ++i) {

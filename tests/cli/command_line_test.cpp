@@ -160,6 +160,10 @@ TEST_CASE("convert: from each format to each other, whole or not at all") {
   check_error(run_flowcage({"convert", "a.su2", "-o", "e.msh"}, in), 3, "a.su2:10: the file ends",
               "write it again");
   check_error(run_flowcage({"convert", "a.su2", "-o", "a.su2"}, in), 2, "the same file as the input", "");
+  check_error(run_flowcage({"convert", "b.msh", "-o", "g.xyz", "-o", "g.p3d"}, in), 2, "g.nmf: the same file",
+              "");
+  check_error(run_flowcage({"inspect", "a.su2", "--report", "a.su2"}, in), 2, "the same file as the input",
+              "");
   CHECK(folder.entries() == before);
 }
 
