@@ -175,13 +175,11 @@ OptionSpec negatable(OptionSpec r) {
   return r;
 }
 
-/// A row that this version does not serve refuses.
-OptionSpec guarded(OptionSpec r) {
-  r.set = [name = r.name, all = r.later, set = r.set](Options& options, const std::string& value) {
-    if (all) {
-      throw Error(ErrorKind::usage, fmt::format("--{} is not in this version", name), "leave the option out");
-    }
-    set(options, value);
+/// As this version does not serve it: refused.
+OptionSpec refused(OptionSpec r) {
+  r.later = true;
+  r.set = [name = r.name](Options&, const std::string&) {
+    throw Error(ErrorKind::usage, fmt::format("--{} is not in this version", name), "leave the option out");
   };
   return r;
 }
@@ -191,7 +189,7 @@ std::vector<OptionSpec> make_table() {
   const auto group = [&table](const char* heading, std::vector<OptionSpec> rows) {
     for (OptionSpec& r : rows) {
       r.group = heading;
-      table.push_back(guarded(std::move(r)));
+      table.push_back(std::move(r));
     }
   };
   const unsigned fitting = mesh | surface;
@@ -366,8 +364,7 @@ const std::vector<OptionSpec>& option_table() {
 OptionSpec option_for(const OptionSpec& row, Command command) {
   OptionSpec r = row;
   if ((row.later_commands & static_cast<unsigned>(command)) == 0) return r;
-  r.later = true;
-  return guarded(std::move(r));
+  return refused(std::move(r));
 }
 
 double metres_per_unit(std::string_view unit) {

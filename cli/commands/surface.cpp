@@ -71,6 +71,11 @@ int run_surface(const Options& options, Progress& progress) {
         ErrorKind::usage, "--cage is missing",
         "draw a cage (docs/cages.md), or let `flowcage cage` propose one, and give it with --cage FILE");
   }
+  if (is_block_file(options.cage)) {
+    throw Error(ErrorKind::usage,
+                fmt::format("--cage {}: surface fits a polyhedron, and this names blocks", options.cage),
+                "give an OBJ file; `flowcage mesh` takes blocks");
+  }
   const FitInputs inputs = read_fit_inputs(options, progress);
   // Opened before the long work: a place that cannot be written shows now.
   std::vector<std::unique_ptr<AtomicFile>> outputs;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
+#include <set>
 
 #include "core/base/error.hpp"
 #include "core/blocks/pillow.hpp"
@@ -60,18 +61,15 @@ void find_far_field(DrawnBlocks& blocks, const std::string& source) {
 /// Whether a block has two faces of the wall, or a wall vertex more than one line.
 bool needs_layer(const BlockDraft& draft, std::span<const char> is_wall) {
   std::vector<char> on_wall(draft.points.size(), 0);
+  std::set<std::array<Index, 4>> wall;
   for (std::size_t b = 0; b < draft.boundary.size(); ++b) {
-    for (const Index v : draft.boundary[b].corners) {
-      if (is_wall[b] != 0) on_wall[v] = 1;
-    }
+    if (is_wall[b] == 0) continue;
+    std::array<Index, 4> key = draft.boundary[b].corners;
+    for (const Index v : key) on_wall[v] = 1;
+    std::sort(key.begin(), key.end());
+    wall.insert(key);
   }
   // With one face of the wall, a block has four points on it; any other touches it with an edge or a point.
-  std::map<std::array<Index, 4>, char> wall;
-  for (std::size_t b = 0; b < draft.boundary.size(); ++b) {
-    std::array<Index, 4> key = draft.boundary[b].corners;
-    std::sort(key.begin(), key.end());
-    if (is_wall[b] != 0) wall[key] = 1;
-  }
   for (const HexPoints& hex : draft.hexes) {
     int faces = 0;
     for (const auto& face : hex_faces) {

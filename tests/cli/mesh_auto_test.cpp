@@ -57,6 +57,8 @@ TEST_CASE("mesh: layers inside of a channel stand on its walls") {
   REQUIRE(run.exit_code == 0);
   const nlohmann::json mesh = json_in(folder, "mesh.json");
   CHECK(mesh["volume"]["first_height"]["min"].get<double>() >= 0.001 * 0.999);
+  // At concave edges up to 1.19 along the line.
+  CHECK(mesh["volume"]["first_height"]["max"].get<double>() <= 0.001 * 1.2);
   CHECK(mesh["volume"]["min_scaled_jacobian"].get<double>() > 0.3);
   REQUIRE(run_flowcage({"quality", "duct.vtu", "--json", "q.json"}, in).exit_code == 0);
   CHECK(json_in(folder, "q.json")["volume"]["total_volume"].get<double>() == Approx(2.0).epsilon(1e-12));
@@ -97,4 +99,8 @@ TEST_CASE("mesh: blocks from a file, fitted to the CAD") {
   const ProgramRun twice =
       run_flowcage({"mesh", "can.step", "--cage", "blocks.vtu", "--blocks", "swept", "-o", "can.vtu"}, in);
   CHECK(twice.exit_code == 2);
+  const ProgramRun surface =
+      run_flowcage({"surface", "can.step", "--cage", "blocks.vtu", "-o", "can.obj"}, in);
+  CHECK(surface.exit_code == 2);
+  CHECK_THAT(surface.err, contains_text("this names blocks"));
 }

@@ -122,7 +122,7 @@ TEST_CASE("on the ridges of a box the height is the length along the line") {
   CHECK(report.max_height == Approx(1e-3).epsilon(1e-12));
 }
 
-TEST_CASE("first height of a y+: the flat plate of White") {
+TEST_CASE("first height of a y+: the one-seventh power law of a flat plate") {
   // Re = 1e7: c_f = 0.026 / 10, u_tau / U = sqrt(0.0013).
   CHECK(first_height_of_yplus(1, 1e7) == Approx(1e-7 / std::sqrt(0.0013)).epsilon(1e-14));
   CHECK(first_height_of_yplus(30, 1e7) == Approx(30 * first_height_of_yplus(1, 1e7)));
