@@ -110,8 +110,9 @@ Cage read_cage_in_metres(const std::string& file, double unit) {
   return scale_cage(read_cage(file), unit);
 }
 
-FitSettings fit_settings(const Options& options, int most) {
+FitSettings fit_settings(const Options& options, const FitInputs& inputs, int most) {
   FitSettings settings;
+  settings.name_unmatched = inputs.creases != PreparedCage::Creases::found;
   settings.levels = options.levels.value_or(most);
   settings.tolerance = options.levels ? 0 : options.tolerance;
   return settings;
@@ -181,6 +182,7 @@ Json surface_json(const SurfaceFit& fit) {
           {"rms_deviation", fit.rms_deviation},
           {"coverage_deviation", fit.coverage_deviation},
           {"levels", levels},
+          {"stopped_because", fit.stopped_because},
           {"worst_place", json_of(fit.worst_place)},
           {"worst_coverage_place", json_of(fit.worst_coverage_place)},
           {"unmatched_feature_chains", fit.unmatched_chains.size()},

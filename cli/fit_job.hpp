@@ -45,7 +45,7 @@ bool is_block_file(const std::string& name);
 Cage read_cage_in_metres(const std::string& file, double unit);
 
 /// Without --levels: up to `most` levels, as many as the tolerance needs.
-FitSettings fit_settings(const Options& options, int most);
+FitSettings fit_settings(const Options& options, const FitInputs& inputs, int most);
 
 /// A missed gate as an exception: the first one with its place, the others in the remedy. Nothing if all
 /// hold.

@@ -18,6 +18,7 @@ std::string surface_summary(const SurfaceFit& fit, double diagonal) {
     fmt::format_to(out, "{:>7}{:>10}{:>12.3g}{:>12.3g}{:>7}\n", r.level, r.control_vertices, r.max_deviation,
                    r.rms_deviation, r.folds);
   }
+  fmt::format_to(out, "stopped at level {}: {}\n", fit.levels.back().report.level, fit.stopped_because);
   fmt::format_to(out, "worst {:.3g} m at {}; CAD to surface {:.3g} m at {}\n", fit.max_deviation * diagonal,
                  place(fit.worst_place), fit.coverage_deviation * diagonal, place(fit.worst_coverage_place));
   return text;

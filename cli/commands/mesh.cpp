@@ -131,7 +131,7 @@ Options with_first_height(Options options) {
 
 VolumeSettings volume_settings(const Options& options, const FitInputs& inputs) {
   VolumeSettings settings;
-  settings.fit = fit_settings(options, most_levels);
+  settings.fit = fit_settings(options, inputs, most_levels);
   settings.tolerance = options.tolerance;
   settings.snap = options.snap;
   if (options.first_height) {

@@ -84,7 +84,7 @@ int run_surface(const Options& options, Progress& progress) {
 
   const Clock::time_point fit_start = Clock::now();
   SurfaceSettings settings;
-  settings.fit = fit_settings(options, most_levels);
+  settings.fit = fit_settings(options, inputs, most_levels);
   settings.tolerance = options.tolerance;
   settings.snap = options.snap;
   settings.sample = options.sample;

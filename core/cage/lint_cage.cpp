@@ -240,8 +240,10 @@ LintReport lint_cage_shape(const Cage& cage, const CageLintSettings& settings) {
   return report;
 }
 
-SplitSectors split_crease_sectors(const Cage& cage, bool mend) {
-  const std::vector<LoneCorner> corners = lone_corners(build_surface_level(cage));
+SplitSectors split_crease_sectors(const Cage& cage, bool mend, std::span<const Index> corners_of_cad) {
+  SurfaceLevel level = build_surface_level(cage);
+  for (const Index v : corners_of_cad) level.vertex_sharpness[v] = infinitely_sharp;
+  const std::vector<LoneCorner> corners = lone_corners(level);
   SplitSectors result{cage, {}};
   if (corners.empty()) return result;
   std::set<Index> faces;

@@ -1,4 +1,6 @@
 #pragma once
+#include <span>
+
 #include "core/cage/lint_report.hpp"
 #include "core/mesh/cage.hpp"
 
@@ -32,7 +34,8 @@ struct SplitSectors {
 /// A smooth crease vertex with a single face on one side makes cells that degenerate level by level: the
 /// corner of that face opens to 180 degrees. With `mend` each such face gets a ring of quads inside (its
 /// corners joined to points half-way to its centre), which gives every corner a second face and leaves its
-/// neighbours as they are; otherwise the places are only reported. Precondition: a manifold.
-SplitSectors split_crease_sectors(const Cage& cage, bool mend);
+/// neighbours as they are; otherwise the places are only reported. corners_of_cad: vertices that the fit
+/// makes corners (split_at_bends.hpp). Precondition: a manifold.
+SplitSectors split_crease_sectors(const Cage& cage, bool mend, std::span<const Index> corners_of_cad = {});
 
 }  // namespace flowcage

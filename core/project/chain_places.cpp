@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -45,37 +46,76 @@ std::vector<double> kinks_of(const TargetSurface& target, const FeaturePath& pat
   return kinks;
 }
 
+/// Where a quarter, half and three quarters of a bend's turn are done.
+struct Bend {
+  std::array<double, 3> at;
+};
+
+/// How far the path has turned up to places s, radians; turns at joints are left out: those are kinks_of.
+struct TurnTable {
+  std::vector<double> s{0}, turned{0};  ///< ascending
+
+  double at(double place) const {
+    const auto k = static_cast<std::size_t>(std::upper_bound(s.begin() + 1, s.end() - 1, place) - s.begin());
+    const double part = (place - s[k - 1]) / (s[k] - s[k - 1]);
+    return turned[k - 1] + part * (turned[k] - turned[k - 1]);
+  }
+  double place_of(double turn) const {
+    const auto k = static_cast<std::size_t>(std::lower_bound(turned.begin() + 1, turned.end() - 1, turn) -
+                                            turned.begin());
+    const double part = (turn - turned[k - 1]) / std::max(turned[k] - turned[k - 1], 1e-300);
+    return s[k - 1] + std::clamp(part, 0.0, 1.0) * (s[k] - s[k - 1]);
+  }
+};
+
+/// Adds the stretch of the path from the table's end to s; halves it where it turns much, because the rim
+/// that ends a thin strip turns back within a thousandth of an edge.
+void add_turn(const TargetSurface& target, const FeaturePath& path, const Vec3& before, double s,
+              const Vec3& tangent, int depth, TurnTable& table) {
+  constexpr double small_turn = 0.2;
+  constexpr int most_halvings = 12;
+  const double turn = std::atan2(before.cross(tangent).norm(), before.dot(tangent));
+  if (turn > small_turn && depth < most_halvings) {
+    const double middle = 0.5 * (table.s.back() + s);
+    const Vec3 there = point_on_path(target, path, middle).tangent;
+    add_turn(target, path, before, middle, there, depth + 1, table);
+    add_turn(target, path, there, s, tangent, depth + 1, table);
+    return;
+  }
+  table.s.push_back(s);
+  table.turned.push_back(table.turned.back() + (turn > small_turn ? 0 : turn));
+}
+
 /// Places where the path turns by more than a right angle's two thirds within a quarter of an edge without a
 /// joint: the nose of a section. Without a vertex there the surface beside it folds round the bend.
-std::vector<double> bends_of(const TargetSurface& target, const FeaturePath& path, double edge) {
-  constexpr int steps_per_window = 16;
+std::vector<Bend> bends_of(const TargetSurface& target, const FeaturePath& path, double edge) {
   constexpr double least_turn = std::numbers::pi / 3;
-  const double step = 0.25 * edge / steps_per_window;
-  const auto n = static_cast<std::size_t>(path.length() / step);
-  if (n <= steps_per_window) return {};
-  std::vector<double> turned{0};  // up to the start of each step
+  const double window = 0.25 * edge;
+  const auto n = static_cast<std::size_t>(16 * path.length() / window);
+  if (n <= 16) return {};
+  TurnTable table;
   Vec3 before = point_on_path(target, path, 0).tangent;
   for (std::size_t i = 1; i <= n; ++i) {
-    const Vec3 tangent = point_on_path(target, path, step * static_cast<double>(i)).tangent;
-    const double turn = std::atan2(before.cross(tangent).norm(), before.dot(tangent));
-    // A joint within the path is a corner of its own: kinks_of.
-    turned.push_back(turned.back() + (turn < 0.5 * least_turn ? turn : 0));
+    const double s = path.length() * static_cast<double>(i) / static_cast<double>(n);
+    const Vec3 tangent = point_on_path(target, path, s).tangent;
+    add_turn(target, path, before, s, tangent, 0, table);
     before = tangent;
   }
-  std::vector<double> bends;
-  const auto turn_in = [&](std::size_t i) { return turned[i + steps_per_window] - turned[i]; };
-  for (std::size_t i = 0; i + steps_per_window <= n; ++i) {
-    if (turn_in(i) < least_turn) continue;
-    std::size_t best = i, last = i;
-    for (; last + steps_per_window <= n && turn_in(last) >= least_turn; ++last) {
-      if (turn_in(last) > turn_in(best)) best = last;
+  std::vector<Bend> bends;
+  const double last = path.length() - window;
+  const auto turn_from = [&](std::size_t i) { return table.at(table.s[i] + window) - table.turned[i]; };
+  for (std::size_t i = 0; table.s[i] <= last; ++i) {
+    double most = turn_from(i);
+    if (most < least_turn) continue;
+    std::size_t best = i;
+    for (; table.s[i] <= last && turn_from(i) >= least_turn; ++i) {
+      if (turn_from(i) > most) best = i;
+      most = std::max(most, turn_from(i));
     }
-    // Where half of the turn is done.
-    const double half = 0.5 * (turned[best] + turned[best + steps_per_window]);
-    const auto at = std::lower_bound(turned.begin(), turned.end(), half) - turned.begin();
-    const double part = (turned[at] - half) / std::max(turned[at] - turned[at - 1], 1e-300);
-    bends.push_back(step * (static_cast<double>(at) - part));
-    i = last;
+    const double start = table.turned[best];
+    bends.push_back({{table.place_of(start + 0.25 * most), table.place_of(start + 0.5 * most),
+                      table.place_of(start + 0.75 * most)}});
+    --i;
   }
   return bends;
 }
@@ -212,17 +252,8 @@ ChainMatch without_weights(ChainMatch match) {
   match.table_w.clear();
   match.table_density.clear();
   match.pinned.clear();
+  match.kept.clear();
   return match;
-}
-
-FeaturePath reversed(const FeaturePath& path) {
-  FeaturePath back;
-  back.closed = path.closed;
-  for (auto piece = path.pieces.rbegin(); piece != path.pieces.rend(); ++piece) {
-    back.pieces.push_back({piece->chain, piece->s_end, piece->s_begin});
-    back.offsets.push_back(back.offsets.back() + std::abs(piece->s_end - piece->s_begin));
-  }
-  return back;
 }
 
 /// Vertices of a chain that are held at places of its path.
@@ -247,6 +278,28 @@ class Pins {
     const double moved = unwrapped(nearest, at);
     const double before = nearest > 0 ? match_.s[nearest - 1] : match_.s[last() - 1] - total();
     return moved > before && moved < match_.s[nearest + 1] && add(static_cast<Offset>(nearest), at);
+  }
+
+  /// Two vertices with a short edge between them (the rim that ends a thin strip) to both sides of the bend;
+  /// false where the cage has no such edge there.
+  bool add_short_edge(const DrawnChain& drawn, const Bend& bend) {
+    constexpr double is_short = 1.0 / 3;
+    std::size_t nearest = last();
+    double distance = 0.5 * mean_edge();
+    for (std::size_t k = 1; k + 2 <= last(); ++k) {
+      const double neighbours = std::min(drawn.lengths[k - 1], drawn.lengths[k + 1]);
+      if (held_[k] || held_[k + 1] || drawn.lengths[k] > is_short * neighbours) continue;
+      const double d = std::abs(0.5 * (match_.s[k] + match_.s[k + 1]) - bend.at[1]);
+      if (d > distance || match_.s[k - 1] >= bend.at[0] || match_.s[k + 2] <= bend.at[2]) continue;
+      distance = d;
+      nearest = k;
+    }
+    if (nearest == last()) return false;
+    for (const std::size_t side : {0U, 1U}) {
+      add(static_cast<Offset>(nearest + side), bend.at[2 * side]);
+      match_.kept.push_back(bend.at[2 * side]);
+    }
+    return true;
   }
 
   bool add(Offset vertex, double at) {
@@ -309,6 +362,16 @@ Index chain_on_path(const FeaturePath& path, double s) {
   return path.pieces[piece_at(path, wrapped(path, s))].chain;
 }
 
+FeaturePath reversed(const FeaturePath& path) {
+  FeaturePath back;
+  back.closed = path.closed;
+  for (auto piece = path.pieces.rbegin(); piece != path.pieces.rend(); ++piece) {
+    back.pieces.push_back({piece->chain, piece->s_end, piece->s_begin});
+    back.offsets.push_back(back.offsets.back() + std::abs(piece->s_end - piece->s_begin));
+  }
+  return back;
+}
+
 double parameter_at(const ChainMatch& match, double t) {
   const std::size_t n = match.w.size() - 1;
   const std::size_t i = std::min(static_cast<std::size_t>(std::max(t, 0.0)), n - 1);
@@ -355,7 +418,9 @@ std::vector<std::string> place_vertices(const TargetSurface& target, const Drawn
             : fmt::format(
                   "no vertex of the cage's crease lies near the CAD's corner at {}: it will be rounded", at));
   }
-  for (const double bend : bends_of(target, match.path, pins.mean_edge())) pins.add_nearest(bend);
+  for (const Bend& bend : bends_of(target, match.path, pins.mean_edge())) {
+    if (!pins.add_short_edge(drawn, bend)) pins.add_nearest(bend.at[1]);
+  }
   pins.finish(target, drawn, angle);
   return warnings;
 }

@@ -39,6 +39,7 @@ struct ChainMatch {
   double cost = 0;        ///< root mean square distance in mean edge lengths of the chain
   bool turns = false;     ///< the path turns corners of the target: vertices there are pinned to them
   std::vector<double> pinned;  ///< places, ascending, of inner vertices that belong to corners or sharp bends
+  std::vector<double> kept;    ///< pairs of `pinned` at the ends of a short edge: split_at_bends.hpp
   /// Between the vertices places follow w, the path length weighted with w'(s) = 1 + (curvature x mean edge
   /// length)^(3/4): a cubic spline of spacing h misses a curve by about h^4 times its fourth derivative,
   /// which grows as the third power of the curvature, so even steps of w share the error evenly (de Boor

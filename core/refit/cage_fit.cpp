@@ -5,6 +5,7 @@
 #include <span>
 
 #include "core/project/chain_places.hpp"
+#include "core/project/split_at_bends.hpp"
 #include "core/refit/symmetric_level.hpp"
 
 namespace flowcage {
@@ -83,21 +84,22 @@ std::vector<Vec3> evened_points(const LevelFitInput& input, std::vector<Vec3> po
 class CageFitter {
  public:
   CageFitter(const Cage& cage, const TargetSurface& target, const FitSettings& settings)
-      : cage_(cage),
-        target_(target),
-        settings_(settings),
-        topology_(build_surface_level(cage)),
-        chains_(crease_chains(topology_)) {}
+      : cage_(cage), target_(target), settings_(settings) {
+    SurfaceLevel topology = build_surface_level(cage);
+    std::vector<CreaseChain> chains = crease_chains(topology);
+    FeatureMatch match = match_features(topology, cage.points, chains, target);
+    drawn_ = split_at_bends(std::move(topology), cage.points, std::move(chains), std::move(match), target);
+  }
 
   CageFit run() const {
-    CageFit best = fitted(match_features(topology_, cage_.points, chains_, target_));
+    CageFit best = fitted(drawn_.match);
     int trials = 0;
     for (bool improved = true; improved && trials < most_trials;) {
       improved = false;
       const FeatureMatch match = best.match;
       for (const Index c : chains_round(bad_faces(best))) {
         if (!match.chains[c].matched) continue;
-        const DrawnChain drawn = drawn_chain(chains_[c], cage_.points);
+        const DrawnChain drawn = drawn_chain(drawn_.chains[c], cage_.points);
         for (ChainMatch& other : other_places(target_, drawn, {}, match.chains[c])) {
           FeatureMatch changed = match;
           changed.chains[c] = std::move(other);
@@ -116,13 +118,13 @@ class CageFitter {
   CageFit fitted(FeatureMatch match) const {
     CageFit fit;
     fit.match = std::move(match);
-    fit.planes = chain_planes(chains_, fit.match, target_);
-    SurfaceLevel topology = topology_;
+    fit.planes = chain_planes(drawn_.chains, fit.match, target_);
+    SurfaceLevel topology = drawn_.topology;
     if (settings_.mirror) {
-      topology = symmetric_level(std::move(topology), chains_, fit.match, fit.planes, target_);
+      topology = symmetric_level(std::move(topology), drawn_.chains, fit.match, fit.planes, target_);
     }
     fit.level = std::make_unique<LevelSystem>(
-        build_level_system(std::move(topology), chains_, cage_places(fit.match), fit.match));
+        build_level_system(std::move(topology), drawn_.chains, cage_places(fit.match), fit.match));
     const LevelFitInput input{*fit.level, fit.match, target_, fit.planes, settings_};
     fit.fitted = fit_level(input, interpolating_start(input, cage_.points));
     const bool has_creases = std::any_of(fit.match.chains.begin(), fit.match.chains.end(),
@@ -152,17 +154,17 @@ class CageFitter {
 
   /// Chains with a vertex on one of the faces or beside it, ascending.
   std::vector<Index> chains_round(std::span<const Index> faces) const {
-    std::vector<bool> near(static_cast<std::size_t>(topology_.vertex_count()), false);
+    std::vector<bool> near(static_cast<std::size_t>(drawn_.topology.vertex_count()), false);
     for (const Index face : faces) {
-      for (const Index corner : topology_.face_vertices[face]) {
-        for (const Index f : topology_.vertex_faces[corner]) {
-          for (const Index v : topology_.face_vertices[f]) near[v] = true;
+      for (const Index corner : drawn_.topology.face_vertices[face]) {
+        for (const Index f : drawn_.topology.vertex_faces[corner]) {
+          for (const Index v : drawn_.topology.face_vertices[f]) near[v] = true;
         }
       }
     }
     std::vector<Index> found;
-    for (std::size_t c = 0; c < chains_.size(); ++c) {
-      const std::vector<Index>& vertices = chains_[c].vertices;
+    for (std::size_t c = 0; c < drawn_.chains.size(); ++c) {
+      const std::vector<Index>& vertices = drawn_.chains[c].vertices;
       if (std::any_of(vertices.begin(), vertices.end(), [&](Index v) { return near[v]; })) {
         found.push_back(static_cast<Index>(c));
       }
@@ -173,8 +175,7 @@ class CageFitter {
   const Cage& cage_;
   const TargetSurface& target_;
   const FitSettings& settings_;
-  SurfaceLevel topology_;
-  std::vector<CreaseChain> chains_;
+  SplitCreases drawn_;
 };
 
 }  // namespace

@@ -19,7 +19,7 @@ struct FitPass {
   std::vector<Index> folded;  ///< faces, ascending
 
   /// What has to fall from pass to pass: the mean error, with a share of the largest one.
-  double score() const { return rms + 0.05 * max; }
+  double score() const { return rms + 0.2 * max; }
   Index folds() const { return static_cast<Index>(folded.size()); }
 };
 

@@ -104,7 +104,8 @@ SurfaceFit fit_surface(const Cage& cage, const TargetSurface& target, const FitS
   const std::vector<ChainPlane>& planes = first.planes;
   fit.unmatched_chains = match.unmatched_chains;
   fit.warnings = match.warnings;
-  if (!match.unmatched_chains.empty()) fit.warnings.push_back(unmatched_warning(match, target));
+  if (settings.name_unmatched && !match.unmatched_chains.empty())
+    fit.warnings.push_back(unmatched_warning(match, target));
   for (const std::string& warning : fit.warnings) progress.warn(warning);
 
   std::unique_ptr<LevelSystem> level = std::move(first.level);
@@ -141,9 +142,10 @@ SurfaceFit fit_surface(const Cage& cage, const TargetSurface& target, const FitS
         std::span(fitted.best.limit.points).first(static_cast<std::size_t>(report.control_vertices)));
     report.history = std::move(fitted.history);
     report.stopped_because = fitted.stopped_because;
-    const bool last =
-        depth == settings.levels || (settings.tolerance > 0 && report.max_deviation <= settings.tolerance);
+    const bool met = settings.tolerance > 0 && report.max_deviation <= settings.tolerance;
+    const bool last = met || depth == settings.levels;
     if (last) {
+      fit.stopped_because = met ? "the tolerance is met" : "all levels are done";
       fit.vertex_targets = vertex_targets(*level, match, target, fitted.best);
       const Coverage coverage = measure_coverage(surface, target);
       fit.max_deviation = report.max_deviation;

@@ -17,6 +17,8 @@ struct FitSettings {
   int max_cgls_iterations = 60;
   bool tangent_distance = true;  ///< minimise distances to tangent planes (Gauss-Newton, Wang, Pottmann & Liu
                                  ///< 2006) in the last passes instead of distances to foot points
+  bool name_unmatched =
+      true;            ///< warn of feature chains that no crease follows; false where find_creases has
   bool mirror = true;  ///< half models: the mirror image's points at symmetry planes (symmetric_level.hpp)
 };
 
@@ -42,7 +44,7 @@ struct LevelReport {
   double edge_length_ratio = 1;  ///< longest by shortest edge of the limit mesh, largest over its faces
   double seconds = 0;
   std::vector<PassReport> history;
-  std::string stopped_because;
+  std::string stopped_because;  ///< the passes
 };
 
 struct FittedLevel {
@@ -63,6 +65,7 @@ struct SurfaceFit {
   double max_deviation = 0, rms_deviation = 0;
   double coverage_deviation = 0;  ///< target to fitted surface
   Vec3 worst_place = Vec3::Zero(), worst_coverage_place = Vec3::Zero();
+  std::string stopped_because;          ///< "the tolerance is met" or "all levels are done"
   std::vector<Index> unmatched_chains;  ///< feature chains of the target that no crease of the cage follows
   std::vector<VertexTarget> vertex_targets;  ///< #V of the last level
   std::vector<std::string> warnings;         ///< also given to Progress::warn

@@ -35,6 +35,7 @@ class LevelPasses {
     const bool tangent = input_.settings.tangent_distance;
     mode_ = {relaxing > 0 ? 0.5 : 0, false};
     best() = evaluate_pass(input_.level, input_.match, input_.target, control_points, mode_, nullptr);
+    if (input_.level.topology.depth > 0) unfold();  // a cage has its own other starts: fit_cage
     for (int pass = 1; pass < relaxing; ++pass) {
       if (!improve({}, 2.0)) break;  // relaxation asks too much here: go on without it
     }
@@ -50,7 +51,8 @@ class LevelPasses {
   /// Passes of one kind until they gain little.
   void converge(double weight) {
     const bool tangent = input_.settings.tangent_distance;
-    while (result_.passes < input_.settings.max_passes) {
+    const int budget = result_.passes + input_.settings.max_passes;
+    while (result_.passes < budget) {
       const double before = best().score();
       const StageMetrics metrics = tangent ? tangent_metrics(input_.level, best(), weight) : StageMetrics{};
       if (!improve(metrics, 1.0)) return;
@@ -59,6 +61,51 @@ class LevelPasses {
       if (gain < 0.02) return;
     }
     result_.stopped_because = "passes used up";
+  }
+
+  /// What folds at the start of a level is evened out: no pass unfolds what the solve itself asks for.
+  void unfold() {
+    constexpr int rounds = 8;
+    for (int round = 0; round < rounds && best().folds() > 0; ++round) {
+      FitPass next = evaluated(evened_where_folded(round / 2));
+      if (next.folds() < best().folds()) best() = std::move(next);
+    }
+  }
+
+  /// Vertices between creases drawn to the mean of their neighbours round the faces that fold, `rings` rings
+  /// of faces further.
+  std::vector<Vec3> evened_where_folded(int rings) {
+    constexpr int sweeps = 4;
+    const SurfaceLevel& t = input_.level.topology;
+    std::vector<bool> near(best().control_points.size(), false);
+    for (const Index f : best().folded) {
+      for (const Index v : t.face_vertices[f]) near[v] = true;
+    }
+    for (int ring = 0; ring < rings; ++ring) near = with_neighbours(near);
+    std::vector<Vec3> points = best().control_points;
+    for (int sweep = 0; sweep < sweeps; ++sweep) {
+      for (Index v = 0; v < t.vertex_count(); ++v) {
+        if (!near[v] || input_.level.vertex_stage[v] != SolveStage::interior) continue;
+        Vec3 sum = Vec3::Zero();
+        for (const Index e : t.vertex_edges[v]) {
+          const auto& [a, b] = t.edge_vertices[e];
+          sum += points[a == v ? b : a];
+        }
+        points[v] = sum / static_cast<double>(t.vertex_edges[v].size());
+      }
+    }
+    return points;
+  }
+
+  std::vector<bool> with_neighbours(const std::vector<bool>& vertices) const {
+    const SurfaceLevel& t = input_.level.topology;
+    std::vector<bool> more = vertices;
+    for (Index f = 0; f < t.face_count(); ++f) {
+      const auto corners = t.face_vertices[f];
+      if (std::none_of(corners.begin(), corners.end(), [&](Index v) { return vertices[v]; })) continue;
+      for (const Index v : corners) more[v] = true;
+    }
+    return more;
   }
 
   /// One pass of refit and projection; takes steps back where it folds, then halves the whole step until it

@@ -6,6 +6,7 @@
 
 #include "core/cage/lint_cage.hpp"
 #include "core/project/find_creases.hpp"
+#include "core/project/split_at_bends.hpp"
 #include "core/refit/cage_check.hpp"
 #include "core/refit/cage_topology.hpp"
 
@@ -60,6 +61,9 @@ PreparedCage prepare_cage(Cage cage, const TargetSurface& target, const PrepareS
   }
   lint.add(lint_cage_shape(prepared.cage));  // lines end at creases
   SplitSectors split = split_crease_sectors(prepared.cage, settings.new_faces);
+  if (!split.findings.empty()) {
+    split = split_crease_sectors(prepared.cage, settings.new_faces, vertices_at_bends(prepared.cage, target));
+  }
   lint.add(split.findings);
   prepared.cage = std::move(split.cage);
   return prepared;

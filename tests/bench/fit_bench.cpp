@@ -7,6 +7,7 @@
 #include "core/base/error.hpp"
 #include "core/base/parallel.hpp"
 #include "core/refit/fit_surface.hpp"
+#include "core/refit/prepare_cage.hpp"
 #include "tests/bench/cpu_seconds.hpp"
 #include "tests/refit/fit_bodies.hpp"
 #include "tests/refit/hand_drawn_cages.hpp"
@@ -25,6 +26,13 @@ struct Job {
   bool growth = false;
 };
 
+/// As the program fits: the cage is linted and mended first.
+SurfaceFit fitted(const Cage& cage, const FitBody& body, const FitSettings& settings) {
+  Progress silent;
+  const PreparedCage prepared = prepare_cage(cage, body.cad, {}, silent);
+  return fit_surface(prepared.cage, body.cad, settings, silent);
+}
+
 void print_level(const LevelReport& r, double asked) {
   fmt::print(
       "  {:>5} {:>8} {:>8} {:>9.2e} {:>9.1e} {:>9.1e} {:>9.1e} {:>6.2f} {:>5} {:>6} {:>6} {:>8.3f}  {}\n",
@@ -33,9 +41,8 @@ void print_level(const LevelReport& r, double asked) {
 }
 
 void print_table(const FitBody& body, const Job& job) {
-  Progress silent;
   const double before = cpu_seconds();
-  const SurfaceFit fit = fit_surface(body.cage, body.cad, job.fit, silent);
+  const SurfaceFit fit = fitted(body.cage, body, job.fit);
   const double seconds = cpu_seconds() - before;
   fmt::print("{} ({} cage vertices): coverage {:.2e}, {:.2f} s CPU\n", body.name, body.cage.points.size(),
              fit.coverage_deviation, seconds);
@@ -59,14 +66,13 @@ void print_table(const FitBody& body, const Job& job) {
 
 /// One row a level: the processor time of the whole fit to it, and per control vertex.
 void print_growth(const FitBody& body, const Job& job) {
-  Progress silent;
   fmt::print("{}: fit to a level, coverage included\n  level  control   s CPU  factor  us a control vertex\n",
              body.name);
   double last = 0;
   FitSettings settings = job.fit;
   for (settings.levels = 2; settings.levels <= job.fit.levels; ++settings.levels) {
     const double before = cpu_seconds();
-    const SurfaceFit fit = fit_surface(body.cage, body.cad, settings, silent);
+    const SurfaceFit fit = fitted(body.cage, body, settings);
     const double seconds = cpu_seconds() - before;
     const Index control = fit.levels.back().report.control_vertices;
     fmt::print("  {:>5} {:>8} {:>7.2f} {:>7} {:>20.0f}\n", settings.levels, control, seconds,
@@ -78,15 +84,14 @@ void print_growth(const FitBody& body, const Job& job) {
 
 /// One row a body: how often the fit of a cage with noise folds, fails, or misses three times the plain one.
 void print_noise(const FitBody& body, const Job& job) {
-  Progress silent;
-  const double plain = fit_surface(body.cage, body.cad, job.fit, silent).max_deviation;
+  const double plain = fitted(body.cage, body, job.fit).max_deviation;
   unsigned folded = 0, failed = 0, beyond = 0;
   std::vector<double> ratios;
   std::string bad;
   for (unsigned seed = job.first_seed; seed < job.first_seed + job.seeds; ++seed) {
     try {
-      const SurfaceFit fit = fit_surface(with_noise(body.cage, job.noise * body.cad.diagonal(), seed),
-                                         body.cad, job.fit, silent);
+      const SurfaceFit fit =
+          fitted(with_noise(body.cage, job.noise * body.cad.diagonal(), seed), body, job.fit);
       const bool folds = std::any_of(fit.levels.begin(), fit.levels.end(),
                                      [](const FittedLevel& level) { return level.report.folds > 0; });
       folded += folds ? 1 : 0;

@@ -36,7 +36,7 @@ FitBody rounded_tip_body(const std::string& name, double half_base) {
   WingCageShape cage;
   cage.half_base = half_base;
   cage.rounded_tip = true;
-  return {name, model_of(make_half_wing(half_wing(cage))), wing_cage(cage), {4e-4, 2e-4, 1.5e-4}};
+  return {name, model_of(make_half_wing(half_wing(cage))), wing_cage(cage), {4e-4, 2.5e-4, 1.5e-4}};
 }
 
 FitBody winged_fuselage_body(const std::string& name) {

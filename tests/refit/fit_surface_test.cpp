@@ -131,11 +131,11 @@ TEST_CASE("tangent distance beats point distance on a curved body", "[fit]") {
   shape.minor_radius = 0.35;
   const auto target = torus_surface(shape);
   FitSettings points;
-  points.levels = 2;
+  points.levels = 3;
   points.tangent_distance = false;
   Progress silent;
   const SurfaceFit published = fit_surface(torus_cage(1, 0.4, 4, 4), *target, points, silent);
-  const SurfaceFit tangent = fitted(torus_cage(1, 0.4, 4, 4), *target, 2);
+  const SurfaceFit tangent = fitted(torus_cage(1, 0.4, 4, 4), *target, 3);
   CHECK(tangent.max_deviation < 0.5 * published.max_deviation);
 }
 
@@ -187,6 +187,28 @@ TEST_CASE("sharp edges of the CAD that no crease follows are named", "[fit]") {
   CHECK(fit.unmatched_chains == std::vector<Index>{0, 1});
   REQUIRE(fit.warnings.size() == 1);
   CHECK(contains(fit.warnings[0], "no crease of the cage follows 2 of the CAD's 2 chains"));
+  FitSettings silent_about_them;
+  silent_about_them.levels = 1;
+  silent_about_them.name_unmatched = false;
+  Progress silent;
+  CHECK(fit_surface(cage, *target, silent_about_them, silent).warnings.empty());
+}
+
+TEST_CASE("the fit stops where the tolerance is met, and says so", "[fit]") {
+  const auto target = sphere_surface(Vec3::Zero(), 0.5);
+  FitSettings settings;
+  settings.levels = 4;
+  settings.tolerance = 1e-3;
+  Progress silent;
+  const SurfaceFit early = fit_surface(sphere_cage(), *target, settings, silent);
+  CHECK(early.levels.back().report.level == 1);
+  CHECK(early.max_deviation <= settings.tolerance);
+  CHECK(early.stopped_because == "the tolerance is met");
+  settings.levels = 2;
+  settings.tolerance = 1e-9;
+  const SurfaceFit late = fit_surface(sphere_cage(), *target, settings, silent);
+  CHECK(late.levels.back().report.level == 2);
+  CHECK(late.stopped_because == "all levels are done");
 }
 
 TEST_CASE("the deviation is that of the whole surface where sharp edges are rounded off", "[fit]") {
