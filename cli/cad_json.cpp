@@ -101,6 +101,7 @@ Json cad_json(const CadSummary& summary) {
           {"overlaps", overlaps},
           {"intersection_chains", summary.intersection_chains},
           {"corners", summary.corners},
+          {"tips", summary.tips},
           {"solid_names", summary.solid_names},
           {"groups", counts(summary.groups)},
           {"parts", counts(summary.parts)},

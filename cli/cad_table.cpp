@@ -103,6 +103,7 @@ std::string model_text(const CadSummary& cad) {
   }
   text += row("open border", fmt::format("{} chain(s)", cad.boundary_chains));
   text += row("corners", fmt::format("{}", cad.corners));
+  if (cad.tips > 0) text += row("tips of cones", fmt::format("{}", cad.tips));
   return text;
 }
 

@@ -90,6 +90,7 @@ struct CadSummary {
   Index sharp_edges = 0, partly_sharp_edges = 0;  ///< the second: sharp on a part of their length only
   Index crowded_edges = 0;                        ///< of more than two faces
   Index sharp_chains = 0, boundary_chains = 0, corners = 0;
+  Index tips = 0;  ///< apexes of cones
   std::vector<CadOverlap> overlaps;
   Index intersection_chains = 0;  ///< feature chains along which united bodies meet
   Index triangles = 0;

@@ -23,6 +23,8 @@ class Shape {
 Shape make_sphere(double radius);
 Shape make_torus(double major_radius, double minor_radius);
 Shape make_cylinder(double radius, double height);
+/// About the z axis, its base in z = 0, its apex at z = height.
+Shape make_cone(double radius, double height);
 Shape make_box(const Vec3& size);
 /// All twelve edges filleted. Precondition: 2 radius < the smallest size.
 Shape make_rounded_box(const Vec3& size, double radius);
@@ -38,6 +40,10 @@ Shape rotated(const Shape& shape, const Vec3& axis, double degrees);
 Shape make_bend(double bend_radius, double pipe_radius, double degrees);
 /// Body of revolution about the x axis.
 Shape make_ellipsoid(double half_length, double radius);
+/// The box [0, 2] x [-1, 1] x [0, 1] whose top sinks beside a ridge along y = 0 that fades out: the top is at
+/// z = 1 - (1 - x)^3 |y| (1 - |y|) / 2 for x < 1 and flat beyond. The sides of the ridge differ by
+/// 2 atan((1 - x)^3 / 2): 53 degrees at x = 0, 20 at x = .293, none from x = 1 on.
+Shape make_fading_ridge();
 /// The half of a solid where the coordinate `axis` (0 x, 1 y, 2 z) is positive, open in the plane where it is
 /// 0. Throws Error(internal) when that plane does not cut the solid.
 Shape make_half(const Shape& solid, int axis);

@@ -12,6 +12,7 @@
 #include "core/project/chain_places.hpp"
 #include "core/project/feature_graph_samples.hpp"
 #include "core/project/side_normals.hpp"
+#include "core/project/tip_vertices.hpp"
 
 namespace flowcage {
 namespace {
@@ -307,6 +308,13 @@ FeatureMatch match_features(const SurfaceLevel& level, std::span<const Vec3> poi
     result.end_is_fixed[v] = true;
     result.end_position[v] = graph.points[end_node[v]];
     result.end_corner[v] = end_node[v] < graph.corner_count ? end_node[v] : no_index;
+  }
+  const std::vector<Index> at_tips = tip_vertices(level, points, features.tips);
+  for (std::size_t t = 0; t < at_tips.size(); ++t) {
+    const Index v = at_tips[t];
+    if (v == no_index || end_node[v] != no_index || level.vertex_sharpness[v] < infinitely_sharp) continue;
+    result.end_is_fixed[v] = true;
+    result.end_position[v] = features.tips[t];
   }
   std::vector<double> followed(features.chains.size(), 0.0);
   for (Index p = 0; p < graph.piece_count; ++p) {

@@ -60,7 +60,8 @@ struct FeatureMatchSettings {
 
 struct FeatureMatch {
   std::vector<ChainMatch> chains;  ///< one per crease chain
-  std::vector<bool> end_is_fixed;  ///< #V: a chain end (corner, dart) whose place on the features is known
+  std::vector<bool> end_is_fixed;  ///< #V: a chain end (corner, dart) whose place on the features is known,
+                                   ///< or a corner at a tip
   std::vector<Vec3> end_position;  ///< #V: that place
   std::vector<Index> end_corner;   ///< #V: the target's corner there, or no_index
   std::vector<Index> unmatched_chains;  ///< target chains followed over less than half of their length

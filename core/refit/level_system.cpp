@@ -11,6 +11,16 @@ namespace {
 
 constexpr Offset grain = 512;
 
+/// Corners without a crease, at tips.
+void mark_tips(const FeatureMatch& match, LevelSystem& level) {
+  const std::size_t drawn = std::min(match.end_is_fixed.size(), level.vertex_stage.size());
+  for (std::size_t v = 0; v < drawn; ++v) {
+    if (!match.end_is_fixed[v] || level.vertex_stage[v] != SolveStage::corner) continue;
+    level.kind[v] = SampleKind::fixed;
+    level.fixed_position[v] = match.end_position[v];
+  }
+}
+
 void mark_chain_samples(const FeatureMatch& match, LevelSystem& level) {
   for (Index c = 0; c < static_cast<Index>(level.chains.size()); ++c) {
     const CreaseChain& chain = level.chains[c];
@@ -94,6 +104,7 @@ LevelSystem build_level_system(SurfaceLevel topology, std::vector<CreaseChain> c
       row_stage[level.edge_sample(e)] = SolveStage::crease;
     }
   }
+  mark_tips(match, level);
   mark_chain_samples(match, level);
   level.mirror_axis.assign(count, -1);
   if (level.topology.mirrors.any()) {

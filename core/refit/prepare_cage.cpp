@@ -4,11 +4,13 @@
 
 #include <iterator>
 
+#include "core/cage/face_crossings.hpp"
 #include "core/cage/lint_cage.hpp"
 #include "core/project/find_creases.hpp"
 #include "core/project/split_at_bends.hpp"
 #include "core/refit/cage_check.hpp"
 #include "core/refit/cage_topology.hpp"
+#include "core/refit/tag_tips.hpp"
 
 namespace flowcage {
 namespace {
@@ -59,6 +61,10 @@ PreparedCage prepare_cage(Cage cage, const TargetSurface& target, const PrepareS
     for (const std::string& warning : found.warnings) progress.warn(warning);
     prepared.cage = std::move(found.cage);
   }
+  TaggedTips tipped = tag_tips(prepared.cage, target);
+  lint.add(tipped.findings);
+  prepared.cage = std::move(tipped.cage);
+  lint.add(lint_face_crossings(prepared.cage));
   lint.add(lint_cage_shape(prepared.cage));  // lines end at creases
   SplitSectors split = split_crease_sectors(prepared.cage, settings.new_faces);
   if (!split.findings.empty()) {

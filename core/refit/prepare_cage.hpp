@@ -21,7 +21,8 @@ struct PreparedCage {
 /// Lints a cage against the target, mends what can be mended safely and finds its creases:
 /// parts turned inside out are reversed (rule "inside_out"); a cage of a wrong unit, too far away or of
 /// another genus is refused; a cage without any crease gets those along the target's sharp edges
-/// (find_creases.hpp); then the rules of lint_cage.hpp. Everything found is in `lint`, and in a sentence each
+/// (find_creases.hpp); vertices at the target's tips become corners (tag_tips.hpp); then the rules of
+/// lint_cage.hpp. Everything found is in `lint`, and in a sentence each
 /// given to progress.warn, as is what find_creases says. Throws Error(input) for a cage that cannot be used.
 PreparedCage prepare_cage(Cage cage, const TargetSurface& target, const PrepareSettings& settings,
                           Progress& progress);

@@ -52,6 +52,7 @@ struct FeatureChain {
 struct FeatureGraph {
   std::vector<Vec3> corners;
   std::vector<FeatureChain> chains;
+  std::vector<Vec3> tips;  ///< apexes of cones: no chain ends there, but there is no tangent plane either
 };
 
 struct CurvePoint {

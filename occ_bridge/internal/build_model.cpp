@@ -16,6 +16,7 @@
 #include "occ_bridge/internal/feature_graph.hpp"
 #include "occ_bridge/internal/scaled.hpp"
 #include "occ_bridge/internal/tessellate.hpp"
+#include "occ_bridge/internal/tips.hpp"
 
 namespace flowcage::occ {
 
@@ -196,6 +197,9 @@ std::shared_ptr<CadModel::Data> build_model(PreparedModel prepared, const CadRea
     throw Error(ErrorKind::internal, "scaling the model to metres changed its number of faces",
                 "please report this file");
   }
+  data->features.tips = find_tips(data->faces, data->features, settings.crease_angle_degrees * radians,
+                                  1e-6 * summary.diagonal);
+  summary.tips = static_cast<Index>(data->features.tips.size());
   return data;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/base/error.hpp"
+#include "core/cage/face_crossings.hpp"
 #include "core/cage/orient_faces.hpp"
 #include "core/cage/read_cage.hpp"
 #include "core/mesh/manifold_check.hpp"
@@ -189,4 +190,35 @@ TEST_CASE("of each part the fewer faces are reversed", "[lint]") {
   CHECK(faces_to_reverse(faces) == std::vector<Index>{0, 4});
   faces.push_row(std::vector<Index>{11, 12, 14});  // a third face at the edge
   CHECK_FALSE(faces_to_reverse(faces));
+}
+
+TEST_CASE("faces that pass through each other are named with a place", "[lint]") {
+  CHECK(find_face_crossings(box_cage(Vec3::Zero(), Vec3::Ones(), true)).empty());
+  CHECK(find_face_crossings(torus_cage(1, 0.4, 4, 4)).empty());
+  // A torus whose tube is wider than its ring: opposite sides of the hole cross.
+  CHECK_FALSE(find_face_crossings(torus_cage(0.3, 0.4, 4, 4)).empty());
+  // A sheet and one square that stands in the middle of face 4 of nine, or only on it.
+  for (const double low : {-0.25, 0.0}) {
+    Cage cage = sheet(3, 3);
+    const Index v = static_cast<Index>(cage.points.size());
+    cage.points.insert(cage.points.end(), {{1.4, 1.5, low}, {1.6, 1.5, low}, {1.6, 1.5, 1}, {1.4, 1.5, 1}});
+    add_face(cage, {v, v + 1, v + 2, v + 3});
+    const std::vector<FaceCrossing> crossings = find_face_crossings(cage);
+    if (low == 0) {
+      CHECK(crossings.empty());
+      continue;
+    }
+    REQUIRE(crossings.size() == 1);
+    CHECK(crossings[0].a == 4);
+    CHECK(crossings[0].b == 9);
+    CHECK(std::abs(crossings[0].place.z()) < 1e-12);
+    const LintReport report = lint_face_crossings(cage);
+    REQUIRE(rules(report) == Rules{"self_crossing"});
+    CHECK(report[0].message.find("faces 5 and 10") != std::string::npos);
+  }
+  // Two copies of a square that were not merged touch all along: close_vertices, not this.
+  Cage slit = sheet(1, 1);
+  slit.points.insert(slit.points.end(), {{1, 0, 0}, {2, 0, 0}, {1, 1, 0}, {2, 1, 0}});
+  add_face(slit, {4, 5, 7, 6});
+  CHECK(find_face_crossings(slit).empty());
 }

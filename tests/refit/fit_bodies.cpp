@@ -97,6 +97,14 @@ const std::vector<Maker>& makers() {
                         box_cage(-half, half, false),
                         {5e-3, 1e-3, 3e-4}};
        }},
+      {"cone",
+       [](const std::string& name) {
+         return FitBody{name, model_of(make_cone(1, 2)), cone_cage(1, 2), {1e-4, 5e-5, 2.5e-5}};
+       }},
+      {"fading_ridge",
+       [](const std::string& name) {
+         return FitBody{name, model_of(make_fading_ridge()), ridge_cage(0.3), {1e-3, 5e-4, 2.5e-4}};
+       }},
       {"wing_fuselage", winged_fuselage_body},
       {"half_sphere", half_sphere_body},
       {"half_torus", half_torus_body},

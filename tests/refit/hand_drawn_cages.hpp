@@ -129,6 +129,72 @@ inline Cage cylinder_cage(double radius, double height) {
   return cage;
 }
 
+/// A cone about z with its base in z = 0: eight vertices on the rim, which is a crease, and on a ring above
+/// it and one inside of it; the apex, of four quads, is a corner.
+inline Cage cone_cage(double radius, double height) {
+  Cage cage = empty_cage();
+  constexpr Index n = 8;
+  const auto add_ring = [&](double r, double z) {
+    for (Index i = 0; i < n; ++i) {
+      const double a = 2 * std::numbers::pi * i / n;
+      cage.points.emplace_back(r * std::cos(a), r * std::sin(a), z);
+    }
+  };
+  add_ring(radius, 0);
+  add_ring(0.5 * radius, 0.5 * height);
+  add_ring(0.5 * radius, 0);
+  const Index apex = 3 * n, centre = apex + 1;
+  cage.points.emplace_back(0, 0, height);
+  cage.points.emplace_back(0, 0, 0);
+  for (Index i = 0; i < n; ++i) {
+    const Index j = (i + 1) % n;
+    add_face(cage, {i, j, n + j, n + i});
+    add_face(cage, {j, i, 2 * n + i, 2 * n + j});
+    add_crease(cage, i, j);
+    if (i % 2 == 1) continue;
+    const Index k = (i + 2) % n;
+    add_face(cage, {apex, n + i, n + j, n + k});
+    add_face(cage, {centre, 2 * n + k, 2 * n + j, 2 * n + i});
+  }
+  cage.corners.push_back({apex, infinitely_sharp});
+  return cage;
+}
+
+/// The box [0, 2] x [-1, 1] x [0, 1] with a crease on its top from (0, 0, 1) that ends in a dart at x = dart.
+inline Cage ridge_cage(double dart) {
+  Cage cage = empty_cage();
+  const std::array<double, 4> x{0, dart, 1, 2};
+  const auto vertex = [](Index i, Index j, Index k) { return i + 4 * (j + 3 * k); };
+  for (const Index k : {0, 1}) {
+    for (const Index j : {0, 1, 2}) {
+      for (const double at : x) cage.points.emplace_back(at, j - 1, k);
+    }
+  }
+  for (Index i = 0; i < 3; ++i) {
+    for (Index j = 0; j < 2; ++j) {
+      add_face(cage, {vertex(i, j, 0), vertex(i, j + 1, 0), vertex(i + 1, j + 1, 0), vertex(i + 1, j, 0)});
+      add_face(cage, {vertex(i, j, 1), vertex(i + 1, j, 1), vertex(i + 1, j + 1, 1), vertex(i, j + 1, 1)});
+    }
+    add_face(cage, {vertex(i, 0, 0), vertex(i + 1, 0, 0), vertex(i + 1, 0, 1), vertex(i, 0, 1)});
+    add_face(cage, {vertex(i, 2, 0), vertex(i, 2, 1), vertex(i + 1, 2, 1), vertex(i + 1, 2, 0)});
+    for (const Index j : {0, 2}) {
+      for (const Index k : {0, 1}) add_crease(cage, vertex(i, j, k), vertex(i + 1, j, k));
+    }
+  }
+  for (Index j = 0; j < 2; ++j) {
+    add_face(cage, {vertex(0, j, 0), vertex(0, j, 1), vertex(0, j + 1, 1), vertex(0, j + 1, 0)});
+    add_face(cage, {vertex(3, j, 0), vertex(3, j + 1, 0), vertex(3, j + 1, 1), vertex(3, j, 1)});
+    for (const Index i : {0, 3}) {
+      for (const Index k : {0, 1}) add_crease(cage, vertex(i, j, k), vertex(i, j + 1, k));
+    }
+  }
+  for (const Index i : {0, 3}) {
+    for (const Index j : {0, 2}) add_crease(cage, vertex(i, j, 0), vertex(i, j, 1));
+  }
+  add_crease(cage, vertex(0, 1, 1), vertex(1, 1, 1));
+  return cage;
+}
+
 /// A half wing with chord along x, span along y from the open root at y = 0, thickness along z (occ_bridge's
 /// HalfWing): sections of 6 points (7 with a blunt trailing edge) at each station and a flat tip cap of
 /// strips along the chord line with a kite at the trailing edge and two triangles at the leading edge.
