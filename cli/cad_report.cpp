@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "cli/cad_table.hpp"
+#include "cli/report/color_map.hpp"
 
 namespace flowcage {
 namespace {
@@ -55,19 +56,6 @@ std::array<View, 3> views() {
 
 constexpr double picture_width = 900;
 constexpr std::array<std::string_view, 4> border_colors{"#1f6fd0", "#e00000", "#e07b00", "#8a2be2"};
-
-/// A colour for each patch name: evenly spread hues, the same in every run.
-struct Rgb {
-  double r = 0.7, g = 0.7, b = 0.7;
-};
-Rgb palette(std::size_t index) {
-  const double hue = std::fmod(0.58 + 0.618034 * static_cast<double>(index), 1.0) * 6;
-  const auto channel = [&](double shift) {
-    const double k = std::fmod(shift + hue, 6.0);
-    return 0.92 - 0.42 * std::max(0.0, std::min({k, 4 - k, 1.0}));
-  };
-  return {channel(5), channel(3), channel(1)};
-}
 
 class Picture {
  public:
@@ -154,7 +142,7 @@ class Picture {
 std::string legend(const CadModel& model, const std::map<std::string, std::size_t>& colors) {
   std::string text = "<p>";
   for (const auto& [name, index] : colors) {
-    const Rgb color = palette(index);
+    const Rgb color = palette_color(index);
     text +=
         fmt::format("<span class=\"key\"><b style=\"background:rgb({:.0f},{:.0f},{:.0f})\"></b>{}</span> ",
                     255 * color.r, 255 * color.g, 255 * color.b, name.empty() ? "(no name)" : escaped(name));
@@ -178,7 +166,7 @@ void write_cad_report(std::ostream& out, const CadModel& model) {
   std::vector<Rgb> face_colors;
   for (Index f = 0; f < model.face_count(); ++f) {
     const auto index = colors.emplace(model.face(f).group, colors.size()).first->second;
-    face_colors.push_back(palette(index));
+    face_colors.push_back(palette_color(index));
   }
   out << "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>flowcage inspect: "
       << escaped(model.summary().files.front().name)

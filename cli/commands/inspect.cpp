@@ -27,8 +27,7 @@ class WithoutWarnings final : public Progress {
 
 int run_inspect(const Options& options, Progress& progress) {
   const std::unique_ptr<AtomicFile> json = open_json(options);
-  std::unique_ptr<AtomicFile> report;
-  if (!options.report.empty()) report = std::make_unique<AtomicFile>(options.report);
+  const std::unique_ptr<AtomicFile> report = open_report(options);
   WithoutWarnings quiet(progress);
   const CadModel model = read_cad(options.inputs, cad_settings(options), quiet);
   if (json) {
