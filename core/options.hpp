@@ -48,7 +48,7 @@ struct Options {
   std::string unit = "m";
   std::string cad_unit, cage_unit;
 
-  std::string config, save_config, json, report;
+  std::string config, save_config, json, report, pictures;
   int threads = 0;
   Offset seed = 0;
   bool quiet = false, force = false;

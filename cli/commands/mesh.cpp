@@ -8,8 +8,7 @@
 #include "cli/commands/commands.hpp"
 #include "cli/fit_job.hpp"
 #include "cli/mesh_outputs.hpp"
-#include "cli/report/recorded_warnings.hpp"
-#include "cli/report/report_page.hpp"
+#include "cli/report/fit_report.hpp"
 #include "cli/summary.hpp"
 #include "cli/terminal.hpp"
 #include "core/blocks/symmetry_plane.hpp"
@@ -205,14 +204,15 @@ int run_mesh(const Options& given, Progress& terminal) {
   const VolumeSettings settings = volume_settings(options, inputs);
   const std::unique_ptr<BlockSource> source = block_source(options, inputs, progress);
   MeshOutputs outputs(options);
-  const std::unique_ptr<AtomicFile> json_file = open_json(options), report_file = open_report(options);
+  const std::unique_ptr<AtomicFile> json_file = open_json(options);
+  FitReport fit_report(options);
 
   VolumeResult result = make_volume(*source, inputs.cad, settings, progress);
   warn_of_first_height(options, result.layers, progress);
   const Clock::time_point write_start = Clock::now();
   const bool write = options.force || all_hold(result.gates);
   std::optional<Scene> scene;  // before the mesh is scaled
-  if (report_file) scene = volume_scene(inputs.cad, result, options.tolerance);
+  if (fit_report.wanted()) scene = volume_scene(inputs.cad, result, options.tolerance);
   if (write) {
     const double scale = 1 / metres_per_unit(options.unit);
     for (Vec3& p : result.mesh.mutable_points()) p *= scale;
@@ -220,10 +220,9 @@ int run_mesh(const Options& given, Progress& terminal) {
     outputs.write(result.mesh, result.deviation, progress);
   }
   Json json = report(options, inputs, *source, result);
-  if (report_file) {
-    write_report_page(report_file->stream(),
-                      {.command = "mesh", .options = options, .warnings = progress.messages(), .facts = json},
-                      *scene);
+  if (scene) {
+    fit_report.write({.command = "mesh", .options = options, .warnings = progress.messages(), .facts = json},
+                     *scene, result.gates, progress);
   }
   if (json_file) {
     json["seconds"] = {{"read", inputs.read_seconds},         {"cage", 0.0},
@@ -234,7 +233,7 @@ int run_mesh(const Options& given, Progress& terminal) {
   }
   if (write) outputs.commit();
   if (json_file) json_file->commit();
-  if (report_file) report_file->commit();
+  fit_report.commit();
   if (!options.quiet) print_summary(volume_summary(result, inputs.cad.diagonal(), options));
   require_gates(result.gates);
   return 0;

@@ -9,8 +9,7 @@
 #include "cli/commands/commands.hpp"
 #include "cli/fit_job.hpp"
 #include "cli/output_names.hpp"
-#include "cli/report/recorded_warnings.hpp"
-#include "cli/report/report_page.hpp"
+#include "cli/report/fit_report.hpp"
 #include "cli/summary.hpp"
 #include "cli/terminal.hpp"
 #include "core/base/atomic_file.hpp"
@@ -83,7 +82,8 @@ int run_surface(const Options& options, Progress& terminal) {
   // Opened before the long work: a place that cannot be written shows now.
   std::vector<std::unique_ptr<AtomicFile>> outputs;
   for (const std::string& name : options.outputs) outputs.push_back(std::make_unique<AtomicFile>(name));
-  const std::unique_ptr<AtomicFile> json_file = open_json(options), report_file = open_report(options);
+  const std::unique_ptr<AtomicFile> json_file = open_json(options);
+  FitReport fit_report(options);
 
   const Clock::time_point fit_start = Clock::now();
   SurfaceSettings settings;
@@ -97,7 +97,7 @@ int run_surface(const Options& options, Progress& terminal) {
   const Clock::time_point write_start = Clock::now();
   const bool write = options.force || all_hold(result.gates);
   std::optional<Scene> scene;  // before the mesh is scaled
-  if (report_file) scene = surface_scene(inputs.cad, result, options.tolerance);
+  if (fit_report.wanted()) scene = surface_scene(inputs.cad, result, options.tolerance);
   std::optional<PatchSurface> patches;
   if (write && as_step) patches = fitted_patches(result.fit, progress);
   if (write) {
@@ -120,10 +120,10 @@ int run_surface(const Options& options, Progress& terminal) {
   json["surface"] = surface_json(result.fit);
   if (patches) json["surface"]["step"] = step_json(*patches, inputs.cad.diagonal());
   json["gates"] = gates_json(result.gates);
-  if (report_file) {
-    write_report_page(
-        report_file->stream(),
-        {.command = "surface", .options = options, .warnings = progress.messages(), .facts = json}, *scene);
+  if (scene) {
+    fit_report.write(
+        {.command = "surface", .options = options, .warnings = progress.messages(), .facts = json}, *scene,
+        result.gates, progress);
   }
   if (json_file) {
     json["seconds"] = {{"read", inputs.read_seconds},
@@ -140,7 +140,7 @@ int run_surface(const Options& options, Progress& terminal) {
     for (const auto& output : outputs) output->commit();
   }
   if (json_file) json_file->commit();
-  if (report_file) report_file->commit();
+  fit_report.commit();
   if (!options.quiet) {
     print_summary(surface_summary(result.fit, inputs.cad.diagonal()));
     if (patches) print_summary(patches_summary(*patches, inputs.cad.diagonal()));

@@ -165,6 +165,11 @@ Offset boundary_faces(const BlockMesh& mesh) {
   return count;
 }
 
+/// Colours show less than the tables say.
+constexpr const char* deviation_note =
+    "deviation: colours and histogram are of the mesh's points; the largest one is searched for between "
+    "them, too";
+
 }  // namespace
 
 Scene cad_scene(const TargetSurface& cad, const SceneLimits& limits) {
@@ -204,6 +209,7 @@ Scene surface_scene(const TargetSurface& cad, const SurfaceResult& result, doubl
   surface.deviation = in_diagonals(result.deviation, scene.diagonal);
   for (const float d : surface.deviation) count_deviation(scene.deviation, d);
   keep_used_points(surface);
+  scene.shown.emplace_back(deviation_note);
   scene.shown.push_back(faces->size() == result.mesh.faces.size()
                             ? fmt::format("fitted surface: all {} faces", faces->size())
                             : fmt::format("fitted surface: {} faces of a coarser level; the result has {}",
@@ -242,6 +248,7 @@ Scene volume_scene(const TargetSurface& cad, const VolumeResult& result, double 
                         "scaled Jacobian among them",
                         thinned.mesh.cell_count(), mesh.cell_count(), thinned.stride, thinned.stride,
                         thinned.stride));
+  scene.shown.emplace_back(deviation_note);
   add_worst(scene, mesh, "scaled_jacobian", result.quality.scaled_jacobian);
   add_worst(scene, mesh, "non_orthogonality", result.quality.non_orthogonality);
   add_worst(scene, mesh, "skewness", result.quality.skewness);

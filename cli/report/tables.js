@@ -102,16 +102,10 @@ function histogram(title, unit, data, limit) {
 }
 
 function gateSection() {
-  const volume = facts.volume;
-  const places = {
-    max_deviation: facts.surface && facts.surface.worst_place,
-    coverage_deviation: facts.surface && facts.surface.worst_coverage_place,
-    inverted_cells: volume && volume.worst.scaled_jacobian.length ? volume.worst.scaled_jacobian[0].place : null,
-  };
   const rows = facts.gates.map((gate) => [
     gate.name.replaceAll('_', ' '), number(gate.value), number(gate.limit),
     make('span', { class: gate.holds ? 'good-text' : 'bad-text' }, gate.holds ? 'holds' : 'missed'),
-    [showButton(placeIn(gate.detail) || places[gate.name])],
+    [showButton(gate.place)],
   ]);
   const details = facts.gates.filter((g) => !g.holds).map((g) => make('li', {}, g.detail));
   return section('Gates', table(['gate', 'value', 'limit', '', ''], rows, [0]), make('ul', {}, ...details),

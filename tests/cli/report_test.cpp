@@ -4,10 +4,9 @@
 #include <sstream>
 
 #include "cli/report/color_map.hpp"
-#include "occ_bridge/shapes.hpp"
 #include "tests/catch.hpp"
 #include "tests/cli/png_image.hpp"
-#include "tests/cli/run_program.hpp"
+#include "tests/cli/sphere_folder.hpp"
 #include "tests/export/peers.hpp"
 
 using namespace flowcage;
@@ -20,25 +19,12 @@ namespace {
 const std::string evil_patch = "</script><script>throw'patch'</script>\"&amp;";
 const std::string evil_file = "<img src=x onerror=throw'file'>\"&.step";
 
-/// A sphere of diameter 1 m in a file with such a name, and a cube as its cage, half of it in a patch of such
-/// a name.
-class Sphere : public WorkFolder {
+class Sphere : public tests::SphereFolder {
  public:
-  Sphere() {
-    write_cad(make_sphere(0.5), (path() / evil_file).string(), "m");
-    std::ostringstream cage;
-    for (int i = 0; i < 8; ++i) {
-      cage << "v " << (i % 2 != 0 ? .45 : -.45) << ' ' << (i / 2 % 2 != 0 ? .45 : -.45) << ' '
-           << (i / 4 != 0 ? .45 : -.45) << '\n';
-    }
-    cage << "g " << evil_patch
-         << "\nf 1 3 4 2\nf 5 6 8 7\nf 3 7 8 4\ng plain\nf 1 5 7 3\nf 2 4 8 6\nf 1 2 6 5\n";
-    put("cage.obj", cage.str());
-  }
-  ProgramRun run(const char* command, const Strings& rest) const {
-    Strings arguments{command, evil_file, "--cage", "cage.obj", "--report", "report.html"};
-    arguments.insert(arguments.end(), rest.begin(), rest.end());
-    return run_flowcage(arguments, {.folder = path()});
+  Sphere() : SphereFolder(evil_file, evil_patch) {}
+  ProgramRun report_of(const char* command, Strings rest) const {
+    rest.insert(rest.end(), {"--report", "report.html"});
+    return run(command, rest);
   }
 };
 
@@ -108,8 +94,8 @@ TEST_CASE("mesh --report: the same bytes on any number of threads, no markup fro
   const Sphere folder;
   std::string page;
   for (const char* threads : {"1", "3"}) {
-    const ProgramRun run =
-        folder.run("mesh", {"--levels", "2", "--tolerance", "1e-3", "--threads", threads, "-o", "m.vtu"});
+    const ProgramRun run = folder.report_of(
+        "mesh", {"--levels", "2", "--tolerance", "1e-3", "--threads", threads, "-o", "m.vtu"});
     INFO(run.err);
     REQUIRE(run.exit_code == 0);
     if (!page.empty()) CHECK(page == folder.text_of("report.html"));
@@ -124,7 +110,8 @@ TEST_CASE("mesh --report: the same bytes on any number of threads, no markup fro
   CHECK_FALSE(std::regex_search(page, std::regex("<[a-z]+ [^>]*(src|href)=")));
   CHECK_THAT(page, contains_text("default-src 'none'"));
   // A missed gate: nothing at OUT, but the page that shows where.
-  const ProgramRun missed = folder.run("mesh", {"--levels", "1", "--tolerance", "1e-9", "-o", "none.vtu"});
+  const ProgramRun missed =
+      folder.report_of("mesh", {"--levels", "1", "--tolerance", "1e-9", "-o", "none.vtu"});
   CHECK(missed.exit_code == 4);
   CHECK_THAT(folder.text_of("report.html"), contains_text("\"holds\":false"));
   CHECK(folder.entries() == Strings{evil_file, "cage.obj", "m.vtu", "report.html"});
@@ -139,7 +126,7 @@ TEST_CASE("mesh --report in a browser: no error, no loading, names are text, cli
   if (!have_browser()) return;
   const Sphere folder;
   // Warnings must be clickable: at the far tolerance a gate is missed somewhere.
-  const ProgramRun run = folder.run("mesh", {"--levels", "2", "--tolerance", "1e-9", "-o", "m.vtu"});
+  const ProgramRun run = folder.report_of("mesh", {"--levels", "2", "--tolerance", "1e-9", "-o", "m.vtu"});
   INFO(run.err);
   REQUIRE(run.exit_code == 4);
   const Visit seen = visit(folder, "colour=quality&cut=x:0.01", R"JS((() => {
@@ -174,7 +161,7 @@ TEST_CASE("mesh --report in a browser: no error, no loading, names are text, cli
 TEST_CASE("surface --report in a browser") {
   if (!have_browser()) return;
   const Sphere folder;
-  const ProgramRun run = folder.run("surface", {"--levels", "2", "--unit", "mm", "-o", "s.obj"});
+  const ProgramRun run = folder.report_of("surface", {"--levels", "2", "--unit", "mm", "-o", "s.obj"});
   INFO(run.err);
   REQUIRE(run.exit_code == 0);
   const Visit seen = visit(folder, "", R"JS({
