@@ -36,7 +36,7 @@ int run_inspect(const Options& options, Progress& progress) {
     facts["cad"]["face_list"] = faces_json(model);
     write_json(facts, *json);
   }
-  if (report) write_cad_report(report->stream(), model);
+  if (report) write_cad_report(report->stream(), options, model);
   if (json) json->commit();
   if (report) report->commit();
   print(cad_table(model));

@@ -65,9 +65,23 @@ Json surface_json(const SceneSurface& surface, const Vec3& origin) {
           {"points", packed_points(surface.points, origin)},
           {"faces", packed<Index>(corners)},
           {"name", packed<Index>(surface.name)},
+          {"region", packed<Index>(surface.region)},
           {"block", packed<Index>(surface.block)},
           {"quality", packed<float>(surface.quality)},
           {"deviation", packed<float>(surface.deviation)}};
+}
+
+Json marks_json(const Scene& scene, const Vec3& origin) {
+  Json marks = Json::array();
+  for (const SceneMark& mark : scene.marks) {
+    Json lines = Json::array();
+    for (const auto& line : mark.lines) lines.push_back(packed_points(line, origin));
+    marks.push_back({{"text", mark.text},
+                     {"place", json_of(mark.place)},
+                     {"color", color_json(mark.color)},
+                     {"lines", lines}});
+  }
+  return marks;
 }
 
 Json scene_json(const Scene& scene) {
@@ -92,6 +106,7 @@ Json scene_json(const Scene& scene) {
             {"cad", surface_json(scene.cad, origin)},
             {"edges", edges},
             {"worst", worst},
+            {"marks", marks_json(scene, origin)},
             {"shown", scene.shown}};
   if (!scene.mesh.faces.empty()) json["mesh"] = surface_json(scene.mesh, origin);
   if (!scene.deviation.counts.empty()) {

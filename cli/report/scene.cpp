@@ -33,6 +33,7 @@ SceneSurface clustered(const SceneSurface& fine, const Box3& box, double edge) {
     if (face[0] == face[1] || face[1] == face[2] || face[2] == face[0]) continue;
     coarse.faces.push_back(face);
     coarse.name.push_back(fine.name[f]);
+    coarse.region.push_back(fine.region[f]);
   }
   return coarse;
 }
@@ -67,6 +68,7 @@ SceneSurface cad_surface(const TargetSurface& cad) {
     name_of_face.push_back(at->second);
   }
   surface.points = tessellation.points;
+  surface.region = tessellation.triangle_face;
   for (std::size_t t = 0; t < tessellation.triangles.size(); ++t) {
     const auto& [a, b, c] = tessellation.triangles[t];
     surface.faces.push_back({a, b, c, c});

@@ -24,6 +24,7 @@ struct SceneSurface {
   std::vector<Vec3> points{};
   std::vector<std::array<Index, 4>> faces{};  ///< a triangle repeats its last corner
   std::vector<Index> name{};                  ///< #faces, into names
+  std::vector<Index> region{};                ///< #faces, face of the CAD; empty for a mesh
   std::vector<Index> block{};                 ///< #faces; empty for what has no blocks
   std::vector<float> quality{};    ///< #faces, scaled Jacobian of the cell there; empty without cells
   std::vector<float> deviation{};  ///< #points, of the fitted surface from the CAD; empty where unknown
@@ -44,6 +45,14 @@ struct SceneCell {
   std::array<Vec3, 8> corners{};
 };
 
+/// A place that somebody should look at, numbered from 1 in the page.
+struct SceneMark {
+  std::string text;
+  Vec3 place;
+  Rgb color;
+  std::vector<std::vector<Vec3>> lines{};  ///< polylines
+};
+
 struct Scene {
   double diagonal = 0;   ///< of the CAD
   double tolerance = 0;  ///< of the fit, in diagonals; 0 without one
@@ -52,6 +61,7 @@ struct Scene {
   std::vector<std::vector<Vec3>> edges{};  ///< of the CAD: sharp and open ones, polylines
   SceneVolume volume{};                    ///< empty without one
   std::vector<SceneCell> worst{};
+  std::vector<SceneMark> marks{};
   Histogram deviation{};  ///< of all wall points of the result: log10 of diagonals; no counts where unknown
   std::vector<std::string> shown{};  ///< a sentence each: what is shown of how much
 };

@@ -12,6 +12,7 @@ function decodeSurface(surface) {
     points: decodeNumbers(surface.points, Float32Array),
     faces: decodeNumbers(surface.faces, Int32Array),
     name: decodeNumbers(surface.name, Int32Array),
+    region: decodeNumbers(surface.region, Int32Array),
     block: decodeNumbers(surface.block, Int32Array),
     quality: decodeNumbers(surface.quality, Float32Array),
     deviation: decodeNumbers(surface.deviation, Float32Array),

@@ -154,7 +154,31 @@ function worstSection() {
 
 function warningSection() {
   const items = report.warnings.map((text) => make('li', {}, text, ' ', showButton(placeIn(text))));
-  return section(`Warnings (${items.length})`, items.length ? make('ul', {}, ...items) : make('p', { class: 'soft' }, 'none'));
+  const title = report.command === 'inspect' ? 'Problems' : 'Warnings';
+  return section(`${title} (${items.length})`,
+    items.length ? make('ul', {}, ...items) : make('p', { class: 'soft' }, 'none'));
+}
+
+function markSection() {
+  const rows = scene.marks.map((mark, index) => [[swatch(mark.color), `${index + 1}`], mark.text, [showButton(mark.place)]]);
+  return section(`Open borders (${rows.length})`, rows.length ? table(['border', 'length: what it most likely is', ''], rows, [0, 1])
+    : make('p', { class: 'soft' }, 'none'));
+}
+
+// A name with its colour and a box that hides what it names.
+function nameCell(surface, index, shown) {
+  const patch = scene[surface].names[index];
+  const box = make('input', { type: 'checkbox', 'aria-label': `show ${nameText(patch.name)}` });
+  box.checked = shown;
+  if (viewer) viewer.setPatch(surface, index, shown);
+  box.addEventListener('change', () => viewer && viewer.setPatch(surface, index, box.checked));
+  return [make('label', {}, box, ' ', swatch(patch.color), nameText(patch.name))];
+}
+
+function cadNameSection() {
+  const count = scene.cad.names.map((patch) => facts.cad.face_list.filter((face) => face.group === patch.name).length);
+  return section('Patch names', table(['name', 'faces'],
+    scene.cad.names.map((_, index) => [nameCell('cad', index, true), number(count[index])]), [0]));
 }
 
 function patchSection() {
@@ -164,12 +188,7 @@ function patchSection() {
   const heights = (p) => (p && p.first_height ? `${number(p.first_height.min)} – ${number(p.first_height.max)}` : '');
   const rows = scene.mesh.names.map((patch, index) => {
     const p = summary.get(patch.name);
-    const shown = !['farfield', 'symmetry'].includes(patch.type);
-    const box = make('input', { type: 'checkbox', 'aria-label': `show ${nameText(patch.name)}` });
-    box.checked = shown;
-    if (viewer) viewer.setPatch(index, shown);
-    box.addEventListener('change', () => viewer && viewer.setPatch(index, box.checked));
-    return [[make('label', {}, box, ' ', swatch(patch.color), nameText(patch.name))], patch.type,
+    return [nameCell('mesh', index, !['farfield', 'symmetry'].includes(patch.type)), patch.type,
       number(p ? p.faces : count[index]), p && p.max_deviation !== undefined ? number(p.max_deviation) : '',
       p && p.rms_deviation !== undefined ? number(p.rms_deviation) : '', heights(p)];
   });
@@ -215,7 +234,7 @@ function cadSection() {
     pairs.push(['cage', `${facts.cage.source}: ${number(facts.cage.vertices)} vertices, ${number(facts.cage.faces)} faces, genus ${
       facts.cage.genus}, ${number(facts.cage.crease_edges)} crease edges`]);
   }
-  return section('CAD and cage', facet(pairs));
+  return section(facts.cage ? 'CAD and cage' : 'CAD', facet(pairs));
 }
 
 function aboutSection() {
@@ -240,6 +259,9 @@ function fillPanel() {
   if (scene.mesh) panel.append(...patchSection());
   if (facts.surface) panel.append(...levelSection(), ...histogramSection());
   if (facts.volume) panel.append(...worstSection());
+  if (facts.table) {
+    panel.append(...markSection(), ...cadNameSection(), ...section('Facts', make('pre', {}, facts.table)));
+  }
   panel.append(...cadSection(), ...aboutSection());
 }
 
@@ -373,7 +395,9 @@ function showPicked(found) {
   if (!found) return;
   const lines = [];
   if (found.face) {
-    lines.push(`${nameText(found.face.name)} (${found.face.type})`);
+    const face = facts.cad.face_list && facts.cad.face_list[found.face.region];
+    lines.push(face ? `face ${face.number}, ${face.kind}: ${nameText(face.group)}`
+      : `${nameText(found.face.name)} (${found.face.type})`);
     if (found.face.deviation !== undefined) {
       lines.push(`deviation ${number(found.face.deviation)} = ${number(found.face.deviation * scene.diagonal)} m`);
     }

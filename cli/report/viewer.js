@@ -14,7 +14,7 @@ class Viewer {
     this.body = [0, 1, 2].map((a) => [scene.body[0][a] - scene.origin[a], scene.body[1][a] - scene.origin[a]]);
     this.mode = 'patch';
     this.layers = { cad: !scene.mesh, mesh: true, lines: true, edges: true, worst: false };
-    this.hidden = new Set();  // patches of the mesh
+    this.hidden = new Set();  // names of surfaces with the number of a part: "mesh 3"
     this.cut = { axis: -1, value: 0, keep: 1, whole: false };
     this.onPick = () => {};
     this.onRender = () => {};
@@ -30,7 +30,8 @@ class Viewer {
     this.clip = new THREE.Plane(new THREE.Vector3(0, 0, 1), Infinity);
     this.parts = { cad: this.buildPatches('cad', 0x334455), mesh: [] };
     if (this.surfaces.mesh) this.parts.mesh = this.buildPatches('mesh', 0x10181f);
-    this.addEdges(scene.edges);
+    this.edges = this.addLines(scene.edges, 0x101820);
+    this.addMarks(scene.marks);
     this.addWorst(scene.worst);
     this.addMarker();
     this.cutGroup = new THREE.Group();
@@ -75,19 +76,40 @@ class Viewer {
         color: lineColour, transparent: true, clippingPlanes: [this.clip] }));
       const spacing = list.lines.length ? list.length / (list.lines.length / 6) : 0;
       this.world.add(mesh, lines);
-      return { surface, index, faces: list.faces, mesh, lines, spacing, source: [] };
+      return { key: `${key} ${index}`, surface, index, faces: list.faces, mesh, lines, spacing, source: [] };
     });
   }
 
-  addEdges(edges) {
+  addLines(polylines, color) {
     const positions = [];
-    for (const text of edges) {
+    for (const text of polylines) {
       const points = decodeNumbers(text, Float32Array);
       for (let i = 3; i + 2 < points.length; i += 3) positions.push(...points.subarray(i - 3, i + 3));
     }
-    this.edges = new THREE.LineSegments(segmentGeometry(positions),
-      new THREE.LineBasicMaterial({ color: 0x101820, clippingPlanes: [this.clip] }));
-    this.world.add(this.edges);
+    const lines = new THREE.LineSegments(segmentGeometry(positions),
+      new THREE.LineBasicMaterial({ color, clippingPlanes: [this.clip] }));
+    this.world.add(lines);
+    return lines;
+  }
+
+  // Lines in the colour of the mark, and its number at its place.
+  addMarks(marks) {
+    marks.forEach(({ place, color, lines }, index) => {
+      const colour = new THREE.Color(...color);
+      this.addLines(lines, colour).renderOrder = 1;
+      const sprite = this.sprite((context) => {
+        context.fillStyle = colour.getStyle();
+        context.beginPath();
+        context.arc(32, 32, 26, 0, 2 * Math.PI);
+        context.fill();
+        context.fillStyle = '#ffffff';
+        context.font = 'bold 34px sans-serif';
+        context.textAlign = 'center';
+        context.textBaseline = 'middle';
+        context.fillText(String(index + 1), 32, 34, 46);
+      }, 0.024);
+      sprite.position.set(...place.map((x, axis) => x - this.origin[axis]));
+    });
   }
 
   addWorst(cells) {
@@ -105,24 +127,30 @@ class Viewer {
     this.world.add(this.worst);
   }
 
-  // A ring of constant size on the screen, seen through everything.
-  addMarker() {
+  // A picture of constant size on the screen, seen through everything. `paint` draws it, 64 x 64 pixels.
+  sprite(paint, scale) {
     const picture = document.createElement('canvas');
     picture.width = picture.height = 64;
-    const context = picture.getContext('2d');
-    for (const [width, colour] of [[9, '#ffffff'], [5, '#d0006f']]) {
-      context.beginPath();
-      context.arc(32, 32, 24, 0, 2 * Math.PI);
-      context.lineWidth = width;
-      context.strokeStyle = colour;
-      context.stroke();
-    }
-    this.marker = new THREE.Sprite(new THREE.SpriteMaterial({
+    paint(picture.getContext('2d'));
+    const sprite = new THREE.Sprite(new THREE.SpriteMaterial({
       map: new THREE.CanvasTexture(picture), depthTest: false, sizeAttenuation: false, transparent: true }));
-    this.marker.scale.setScalar(0.035);
+    sprite.scale.setScalar(scale);
+    sprite.renderOrder = 10;
+    this.world.add(sprite);
+    return sprite;
+  }
+
+  addMarker() {
+    this.marker = this.sprite((context) => {
+      for (const [width, colour] of [[9, '#ffffff'], [5, '#d0006f']]) {
+        context.beginPath();
+        context.arc(32, 32, 24, 0, 2 * Math.PI);
+        context.lineWidth = width;
+        context.strokeStyle = colour;
+        context.stroke();
+      }
+    }, 0.035);
     this.marker.visible = false;
-    this.marker.renderOrder = 10;
-    this.world.add(this.marker);
   }
 
   // Fills every mesh with the colours of the mode.
@@ -195,9 +223,10 @@ class Viewer {
     this.layers[name] = on;
     this.render();
   }
-  setPatch(index, on) {
-    if (on) this.hidden.delete(index);
-    else this.hidden.add(index);
+  // surface: 'cad' or 'mesh'; index: into its names.
+  setPatch(surface, index, on) {
+    if (on) this.hidden.delete(`${surface} ${index}`);
+    else this.hidden.add(`${surface} ${index}`);
     this.render();
   }
   // axis -1: off. Without `keep` the side away from the viewer is kept. `value` as in the CAD file.
@@ -323,6 +352,7 @@ class Viewer {
       face.deviation = Math.max(...[0, 1, 2, 3].map((c) => surface.deviation[surface.faces[4 * f + c]]));
     }
     if (surface.quality.length) face.quality = surface.quality[f];
+    if (surface.region.length) face.region = surface.region[f];
     if (surface.block.length) face.block = surface.block[f];
     return { place, face };
   }
@@ -361,13 +391,13 @@ class Viewer {
       lines.visible = on && layers.lines && lines.material.opacity > 0.02;
     };
     for (const part of this.parts.cad) {
-      part.mesh.visible = layers.cad;
+      part.mesh.visible = layers.cad && !this.hidden.has(part.key);
       part.mesh.material.transparent = layers.mesh && this.parts.mesh.length > 0;
       part.mesh.material.opacity = part.mesh.material.transparent ? 0.4 : 1;
       showLines(part.lines, part.spacing, false);
     }
     for (const part of this.parts.mesh) {
-      part.mesh.visible = layers.mesh && !this.hidden.has(part.index);
+      part.mesh.visible = layers.mesh && !this.hidden.has(part.key);
       showLines(part.lines, part.spacing, part.mesh.visible);
     }
     if (this.cutGroup.children.length) {

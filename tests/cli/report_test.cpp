@@ -8,6 +8,7 @@
 #include "tests/cli/png_image.hpp"
 #include "tests/cli/sphere_folder.hpp"
 #include "tests/export/peers.hpp"
+#include "tests/occ_bridge/labelled_cad.hpp"
 
 using namespace flowcage;
 using Strings = std::vector<std::string>;
@@ -47,7 +48,7 @@ Visit visit(const WorkFolder& folder, const std::string& hash, const std::string
       "cd '" + folder.path().string() +
       "' && HOME=. timeout 100 chromium --headless --no-sandbox --user-data-dir=profile --use-gl=angle "
       "--use-angle=swiftshader --enable-unsafe-swiftshader --window-size=1200,800 --virtual-time-budget=4000 "
-      "--enable-logging=stderr ";
+      "--force-prefers-reduced-motion --enable-logging=stderr ";
   const std::string url = "'file://" + (folder.path() / "probed.html").string() + "#" + hash + "'";
   const std::string dom = tests::run(chromium + "--dump-dom " + url).output;
   const std::string log = tests::run(chromium + "--screenshot=shot.png " + url).output;
@@ -172,5 +173,37 @@ TEST_CASE("surface --report in a browser") {
   INFO(seen.probe);
   CHECK(seen.console.empty());
   CHECK(seen.probe == R"({"colours":["deviation","patch"],"faces":96,"cut":true,"shown":1})");
+  CHECK(seen.picture.colors() > 500);
+}
+
+TEST_CASE("inspect --report in a browser: names stay text, borders are marked, clicks fly there") {
+  const WorkFolder folder;
+  write_tagged({{.shape = make_onera_m6(), .tag = {.name = evil_patch}},
+                // beside the wing: y = 0 is a symmetry plane only where nothing is beyond it
+                {.shape = make_box({0.1, 0.1, 0.1}), .tag = {.name = "a & \"b\""}, .places = {{0, 0.5, 1}}}},
+               (folder.path() / "wing.step").string());
+  const ProgramRun run =
+      run_flowcage({"inspect", "wing.step", "--report", "report.html"}, {.folder = folder.path()});
+  REQUIRE(run.exit_code == 0);
+  CHECK(run_flowcage({"inspect", "wing.step", "--report", "none/x.html"}, {.folder = folder.path()})
+            .exit_code == 5);
+  CHECK(folder.text_of("report.html").find("<script>throw") == std::string::npos);
+  if (!have_browser()) return;
+  const Visit seen = visit(folder, "show=0", R"JS({
+    scripts: document.querySelectorAll('#panel script').length,
+    names: [...document.querySelectorAll('#panel label')].map((e) => e.textContent.trim()),
+    marks: scene.marks.map((m) => [m.text.replace(/^[^:]*: /, ''), m.lines.length]),
+    flown: viewer.marker.visible && scene.marks[0].place.every((x, a) =>
+      Math.abs(x - scene.origin[a] - viewer.controls.target.getComponent(a)) < 1e-6),
+    facts: document.querySelector('pre').textContent === facts.table,
+  })JS");
+  INFO(seen.probe);
+  CHECK(seen.console.empty());
+  CHECK_THAT(
+      seen.probe,
+      contains_text(R"("scripts":0,"names":["a & \"b\"","</script><script>throw'patch'</script>\"&amp;"])"));
+  // The root is one chain, from the trailing edge around the smooth leading edge.
+  CHECK_THAT(seen.probe, contains_text(R"("marks":[["symmetry plane, waterline or open end in y = 0",1]])"));
+  CHECK_THAT(seen.probe, contains_text(R"("flown":true,"facts":true)"));
   CHECK(seen.picture.colors() > 500);
 }
