@@ -2,11 +2,13 @@
 
 // The assembler copies the bytes: a compiler takes minutes for a literal of this size. FLOWCAGE_EMBED_... are
 // the files' names, from CMake.
+// NOLINTBEGIN(bugprone-macro-parentheses): the name becomes a part of a literal
 #define FLOWCAGE_EMBED(symbol, file)                                                     \
   __asm__(".pushsection .rodata\n.global " #symbol "\n.global " #symbol "_end\n" #symbol \
           ":\n.incbin \"" file "\"\n" #symbol "_end:\n.byte 0\n.popsection\n");          \
   extern "C" const char symbol[] __attribute__((visibility("hidden")));                  \
   extern "C" const char symbol##_end[] __attribute__((visibility("hidden")));
+// NOLINTEND(bugprone-macro-parentheses)
 
 FLOWCAGE_EMBED(flowcage_report_page, FLOWCAGE_EMBED_FOLDER "/report.html")
 FLOWCAGE_EMBED(flowcage_report_style, FLOWCAGE_EMBED_FOLDER "/report.css")

@@ -248,7 +248,9 @@ Camera standing_at(const Vec3& toward, const Vec3& target) {
 Image body_picture(const Scene& scene, Mode mode) {
   Raster raster(canvas);
   Camera camera = standing_at({-1, -1.4, 0.8}, scene.body.center());
-  fit_points(camera, body_points(scene), 0.8 * canvas.width, 0.8 * canvas.height);
+  // Between title and scale.
+  fit_points(camera, body_points(scene), 0.8 * canvas.width, 0.76 * canvas.height);
+  camera.centre.y() -= 14;
   draw_body(raster, camera, scene, mode);
   draw_legend(raster, scene, mode);
   return raster.image();
@@ -266,7 +268,12 @@ Image cut_picture(const Scene& scene, int axis) {
   in_plane[axis] = value;
   draw_body(raster, camera, scene, Mode::plain, camera.project(in_plane).z());
   draw_cut(raster, camera, scene, axis, value);
-  draw_title(raster, fmt::format("cut at {} = {:.5g} m: scaled Jacobian of the cells", "xyz"[axis], value));
+  draw_title(raster, fmt::format("cut at {} = {:.5g} m: scaled Jacobian of the cells", "xyz"[axis], value),
+             scene.volume.stride == 1
+                 ? ""
+                 : fmt::format("of a large mesh: a cell stands for up to {0} x {0} x {0}, with the "
+                               "least among them",
+                               scene.volume.stride));
   draw_scale(raster, jacobian_scale, "inverted or collapsed");
   return raster.image();
 }

@@ -243,6 +243,7 @@ Scene volume_scene(const TargetSurface& cad, const VolumeResult& result, double 
   keep_used_points(scene.mesh);
   count_wall_deviations(scene, result);
   add_cells(scene, thinned.mesh, std::move(least));
+  scene.volume.stride = thinned.stride;
   scene.shown.push_back(
       thinned.stride == 1
           ? fmt::format("cutting plane: all {} cells", mesh.cell_count())

@@ -37,6 +37,7 @@ struct SceneVolume {
   std::vector<std::array<Index, 3>> dims{};
   std::vector<Index> numbers{};
   std::vector<float> quality{};  ///< #cells, scaled Jacobian
+  Index stride = 1;              ///< a cell stands for up to so many of the mesh in each direction
 };
 
 /// A cell that is marked: one of the worst of a metric.

@@ -141,9 +141,9 @@ TEST_CASE("mesh --pictures: what stands in the files is the sphere, and older pi
   }
   CHECK(folder.text_of("pictures/notes.txt") == "the user's");
   CHECK_FALSE(std::filesystem::exists(folder.path() / "pictures/missed_surface_folds.png"));
-  // A disc 0.8 x 800 pixels high, less what 96 flat faces leave out; right of the names of patches.
+  // A disc 0.76 x 800 pixels high, less what 96 flat faces leave out; right of the names of patches.
   CHECK(foreground(read_png(folder.path() / "pictures/patch.png"), 250) ==
-        Approx(M_PI * 320 * 320).epsilon(0.02));
+        Approx(M_PI * 304 * 304).epsilon(0.02));
   // The cut fills the picture and leaves the sphere's inside to the wall behind, which is grey.
   const PngImage cut = read_png(folder.path() / "pictures/cut_x.png");
   int grey = 0;
