@@ -1,14 +1,14 @@
 #pragma once
 #include <ostream>
 
+#include "core/options.hpp"
 #include "occ_bridge/cad_model.hpp"
 
 namespace flowcage {
 
-/// The report of `inspect`: one HTML page without scripts or other files. Pictures of the tessellation from
-/// three sides, faces coloured by patch name, open borders by their kind with numbers that a table explains;
-/// the problems (faces without triangles by number and place) and what `inspect` prints. Whatever a file
-/// calls its parts stays text.
-void write_cad_report(std::ostream& out, const CadModel& model);
+/// The report of `inspect`: the page of report/report_page.hpp with the CAD alone. Faces coloured by patch
+/// name, open borders marked by their kind with numbers, the problems with the places that they name, what
+/// `inspect` prints, and of each face that is clicked its number, as --include and --exclude take it.
+void write_cad_report(std::ostream& out, const Options& options, const CadModel& model);
 
 }  // namespace flowcage

@@ -95,8 +95,7 @@ void bind(CLI::App& app, const OptionSpec& row, Options& options) {
   app.add_option_function<std::string>(
          "--" + row.name, [set, &options](const std::string& v) { set(options, v); }, notes(row))
       ->type_name(row.value_name)
-      // Later options stay out of the help; they exist so that their refusal has its own words.
-      ->group(row.later ? "" : row.group);
+      ->group(row.group);
 }
 
 CLI::App* add_command(CLI::App& app, const CommandSpec& spec, Options& options) {
@@ -113,7 +112,7 @@ CLI::App* add_command(CLI::App& app, const CommandSpec& spec, Options& options) 
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   }
   for (const OptionSpec& row : option_table()) {
-    if (row.belongs_to(spec.command)) bind(*sub, option_for(row, spec.command), options);
+    if (row.belongs_to(spec.command)) bind(*sub, row, options);
   }
   sub->footer("Example:\n  " + spec.example);
   return sub;

@@ -18,8 +18,7 @@ namespace {
 
 /// A file that names files of its kind would have no end.
 bool may_stand_in_file(const OptionSpec& row, Command command) {
-  return row.belongs_to(command) && !option_for(row, command).later && row.name != "config" &&
-         row.name != "save-config";
+  return row.belongs_to(command) && row.name != "config" && row.name != "save-config";
 }
 
 std::vector<OptionSpec> rows_of(Command command) {

@@ -192,8 +192,12 @@ Json surface_json(const SurfaceFit& fit) {
 Json gates_json(const std::vector<Gate>& gates) {
   Json list = Json::array();
   for (const Gate& g : gates) {
-    list.push_back(
-        {{"name", g.name}, {"limit", g.limit}, {"value", g.value}, {"holds", g.holds}, {"detail", g.detail}});
+    list.push_back({{"name", g.name},
+                    {"limit", g.limit},
+                    {"value", g.value},
+                    {"holds", g.holds},
+                    {"detail", g.detail},
+                    {"place", g.place ? json_of(*g.place) : Json()}});
   }
   return list;
 }

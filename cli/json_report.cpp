@@ -47,7 +47,8 @@ Json volume_json(const QualityReport& report) {
                    {"skewness", worst_json(report.skewness)},
                    {"aspect_ratio", worst_json(report.aspect_ratio)}};
   json["histograms"] = {{"scaled_jacobian", histogram_json(report.scaled_jacobian.histogram)},
-                        {"non_orthogonality", histogram_json(report.non_orthogonality.histogram)}};
+                        {"non_orthogonality", histogram_json(report.non_orthogonality.histogram)},
+                        {"skewness", histogram_json(report.skewness.histogram)}};
   return json;
 }
 
@@ -78,6 +79,10 @@ Json patches_json(const HexView& mesh) {
 
 std::unique_ptr<AtomicFile> open_json(const Options& options) {
   return options.json.empty() ? nullptr : std::make_unique<AtomicFile>(options.json);
+}
+
+std::unique_ptr<AtomicFile> open_report(const Options& options) {
+  return options.report.empty() ? nullptr : std::make_unique<AtomicFile>(options.report);
 }
 
 void write_json(const Json& json, AtomicFile& file) {

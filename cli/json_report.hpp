@@ -30,6 +30,9 @@ const char* patch_type_name(PatchType type);
 /// without the option. Throws Error(output).
 std::unique_ptr<AtomicFile> open_json(const Options& options);
 
+/// The same for --report.
+std::unique_ptr<AtomicFile> open_report(const Options& options);
+
 /// Writes all of it; the caller commits. Numbers that are not finite become null, bytes that are no UTF-8
 /// are replaced. Throws Error(output).
 void write_json(const Json& json, AtomicFile& file);

@@ -41,6 +41,7 @@ void check_output_names(Command command, const Options& options) {
     outputs.emplace_back("the map file of -o " + name, fs::path(name).replace_extension(".nmf").string());
   }
   if (!options.report.empty()) outputs.emplace_back("--report", options.report);
+  if (!options.pictures.empty()) outputs.emplace_back("--pictures", options.pictures);
   if (!options.json.empty()) outputs.emplace_back("--json", options.json);
   if (!options.save_config.empty()) outputs.emplace_back("--save-config", options.save_config);
   for (std::size_t i = 0; i < outputs.size(); ++i) {

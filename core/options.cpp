@@ -166,21 +166,8 @@ OptionSpec in_unit(OptionSpec r, std::string unit) {
   r.unit = std::move(unit);
   return r;
 }
-OptionSpec later_for(OptionSpec r, unsigned commands) {
-  r.later_commands = commands;
-  return r;
-}
 OptionSpec negatable(OptionSpec r) {
   r.negatable = true;
-  return r;
-}
-
-/// As this version does not serve it: refused.
-OptionSpec refused(OptionSpec r) {
-  r.later = true;
-  r.set = [name = r.name](Options&, const std::string&) {
-    throw Error(ErrorKind::usage, fmt::format("--{} is not in this version", name), "leave the option out");
-  };
   return r;
 }
 
@@ -304,32 +291,35 @@ std::vector<OptionSpec> make_table() {
          choice(without(row("cage-unit", "m|mm|in|ft", fitting | cage, "unit of the cage and outer files"),
                         "the CAD's"),
                 &Options::cage_unit)});
-  group("General",
-        {text(without(row("config", "FILE.toml", every_command,
-                          "options by their long names; the command line wins"),
-                      "none"),
-              &Options::config),
-         text(without(row("save-config", "FILE.toml", every_command,
-                          "write the options in force, to be read with --config"),
-                      "none"),
-              &Options::save_config),
-         number(without(row("threads", "N", every_command, "threads; the result does not depend on it"),
-                        "all cores"),
-                &Options::threads, {0, 1024}),
-         number(row("seed", "N", fitting, "start of every random choice (this version makes none)"),
-                &Options::seed, {0, infinite}),
-         flag(row("quiet", "", every_command, "errors only: no progress, no warnings"), &Options::quiet),
-         text(without(row("json", "FILE", fitting | cage | inspect | quality,
-                          "the numbers of the result as JSON"),
-                      "none"),
-              &Options::json),
-         text(later_for(without(row("report", "FILE.html", fitting | inspect,
-                                    "a page with pictures of the result and its problems marked"),
-                                "none"),
-                        fitting),
-              &Options::report),
-         flag(row("force", "", fitting | cage, "write a mesh that misses its gates (the exit code stays 4)"),
-              &Options::force)});
+  group(
+      "General",
+      {text(without(row("config", "FILE.toml", every_command,
+                        "options by their long names; the command line wins"),
+                    "none"),
+            &Options::config),
+       text(without(row("save-config", "FILE.toml", every_command,
+                        "write the options in force, to be read with --config"),
+                    "none"),
+            &Options::save_config),
+       number(without(row("threads", "N", every_command, "threads; the result does not depend on it"),
+                      "all cores"),
+              &Options::threads, {0, 1024}),
+       number(row("seed", "N", fitting, "start of every random choice (this version makes none)"),
+              &Options::seed, {0, infinite}),
+       flag(row("quiet", "", every_command, "errors only: no progress, no warnings"), &Options::quiet),
+       text(without(
+                row("json", "FILE", fitting | cage | inspect | quality, "the numbers of the result as JSON"),
+                "none"),
+            &Options::json),
+       text(without(row("report", "FILE.html", fitting | inspect,
+                        "a page with the result in 3-D, its figures and its problems marked"),
+                    "none"),
+            &Options::report),
+       text(without(row("pictures", "DIR", fitting, "the pictures of the report as PNG files in this folder"),
+                    "none"),
+            &Options::pictures),
+       flag(row("force", "", fitting | cage, "write a mesh that misses its gates (the exit code stays 4)"),
+            &Options::force)});
   return table;
 }
 
@@ -361,12 +351,6 @@ const std::vector<OptionSpec>& option_table() {
   return table;
 }
 
-OptionSpec option_for(const OptionSpec& row, Command command) {
-  OptionSpec r = row;
-  if ((row.later_commands & static_cast<unsigned>(command)) == 0) return r;
-  return refused(std::move(r));
-}
-
 double metres_per_unit(std::string_view unit) {
   static constexpr std::array units{
       std::pair<std::string_view, double>{"m", 1.0}, std::pair<std::string_view, double>{"mm", 1e-3},
@@ -379,9 +363,7 @@ double metres_per_unit(std::string_view unit) {
 
 std::string options_markdown() {
   std::string out =
-      "# Options\n\nMade from the table in `core/options.cpp`; `flowcage COMMAND --help` shows the same. "
-      "Options marked *later*\n"
-      "are part of the contract but not of this version, which refuses them.\n";
+      "# Options\n\nMade from the table in `core/options.cpp`; `flowcage COMMAND --help` shows the same.\n";
   auto append = std::back_inserter(out);
   std::string group;
   const Options defaults;
@@ -393,13 +375,10 @@ std::string options_markdown() {
                      "| --- | --- | --- |\n",
                      group);
     }
-    std::string meaning = r.help;
-    if (r.later) meaning += " (*later*)";
-    if (r.later_commands != 0) meaning += fmt::format(" ({}: *later*)", command_names(r.later_commands));
     const std::string name =
         "--" + r.name + (r.is_flag() ? "" : " " + r.value_name) + (r.negatable ? ", --no-" + r.name : "");
     const std::string value = r.is_flag() ? (r.show(defaults) == "true" ? "on" : "off") : r.show(defaults);
-    fmt::format_to(append, "| `{}` | {} | {} | {} | {} | {} |\n", escaped(name), escaped(meaning), r.unit,
+    fmt::format_to(append, "| `{}` | {} | {} | {} | {} | {} |\n", escaped(name), escaped(r.help), r.unit,
                    r.range, r.default_text.empty() ? value : r.default_text, command_names(r.commands));
   }
   return out;

@@ -48,7 +48,7 @@ struct Options {
   std::string unit = "m";
   std::string cad_unit, cage_unit;
 
-  std::string config, save_config, json, report;
+  std::string config, save_config, json, report, pictures;
   int threads = 0;
   Offset seed = 0;
   bool quiet = false, force = false;
@@ -72,14 +72,12 @@ struct OptionSpec {
   std::string value_name;  ///< "N", "FILE", "box|sphere"; empty for a flag
   std::string unit;        ///< of the value; empty if it has none
   std::string help;
-  std::string default_text;     ///< where the default is no single value: what happens without the option
-  std::string range;            ///< "0 < T <= 1"; empty without limits
-  unsigned commands = 0;        ///< bits of Command
-  bool later = false;           ///< in the contract, but not in this version: refused
-  unsigned later_commands = 0;  ///< those of `commands` that this version refuses it for
-  bool negatable = false;       ///< a flag with a --no- form
-  bool repeatable = false;      ///< each use adds a value
-  bool numeric = false;         ///< the value is a number
+  std::string default_text;  ///< where the default is no single value: what happens without the option
+  std::string range;         ///< "0 < T <= 1"; empty without limits
+  unsigned commands = 0;     ///< bits of Command
+  bool negatable = false;    ///< a flag with a --no- form
+  bool repeatable = false;   ///< each use adds a value
+  bool numeric = false;      ///< the value is a number
 
   /// Sets the value from text ("true" and "false" for flags); throws Error(usage) that names option, value
   /// and range.
@@ -95,9 +93,6 @@ struct OptionSpec {
 
 /// Every option with a long name, in the order of the help.
 const std::vector<OptionSpec>& option_table();
-
-/// The row as a command has it: one that is later for this command is later altogether.
-OptionSpec option_for(const OptionSpec& row, Command command);
 
 /// Metres in one m, mm, in or ft. Throws Error(usage) for other names.
 double metres_per_unit(std::string_view unit);

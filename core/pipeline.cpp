@@ -30,8 +30,9 @@ double seconds_since(Clock::time_point start) {
 // How far the surface may miss CAD that the fit should have covered, in tolerances: both are sampled.
 constexpr double coverage_factor = 1.5;
 
-Gate make_gate(std::string name, double limit, double value, std::string where) {
-  Gate gate{std::move(name), limit, value, value <= limit, {}};
+Gate make_gate(std::string name, double limit, double value, std::string where,
+               std::optional<Vec3> worst = {}) {
+  Gate gate{std::move(name), limit, value, value <= limit, {}, worst};
   if (!gate.holds) gate.detail = std::move(where);
   return gate;
 }
@@ -41,10 +42,12 @@ std::vector<Gate> surface_gates(const SurfaceFit& fit, double tolerance, double 
   return {
       make_gate("max_deviation", tolerance, fit.max_deviation,
                 fmt::format("the fitted surface is {:.3g} m from the CAD near {}",
-                            fit.max_deviation * diagonal, place(fit.worst_place))),
+                            fit.max_deviation * diagonal, place(fit.worst_place)),
+                fit.worst_place),
       make_gate("coverage_deviation", coverage_factor * tolerance, fit.coverage_deviation,
                 fmt::format("CAD near {} is {:.3g} m from the fitted surface",
-                            place(fit.worst_coverage_place), fit.coverage_deviation * diagonal)),
+                            place(fit.worst_coverage_place), fit.coverage_deviation * diagonal),
+                fit.worst_coverage_place),
       make_gate("surface_folds", 0, folds, fmt::format("{} faces of the fitted surface are folded", folds)),
   };
 }
@@ -266,7 +269,8 @@ Gate inversion_gate(const QualityReport& quality) {
                        : fmt::format("{} of {} cells are inverted; the worst, cell {} of block {}, is at {} "
                                      "(scaled Jacobian {:.3g})",
                                      quality.inverted_cells, quality.cells, worst.front().cell,
-                                     worst.front().block, place(worst.front().place), worst.front().value));
+                                     worst.front().block, place(worst.front().place), worst.front().value),
+                   worst.empty() ? std::nullopt : std::optional(worst.front().place));
 }
 
 // Cells whose corners are right but whose inside is not proved.
@@ -274,6 +278,7 @@ Gate proof_gate(const HexValidity& validity, const HexView& mesh) {
   Gate gate = make_gate("unproved_cells", 0, static_cast<double>(validity.uncertified), "");
   if (!gate.holds) {
     const LocatedCell cell = unproved_cells(mesh, 1).front();
+    gate.place = cell.centre;
     gate.detail = fmt::format(
         "the Jacobian inside {} of {} cells cannot be proved positive; the first, cell {} of block {}, is at "
         "{}",

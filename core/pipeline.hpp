@@ -29,6 +29,7 @@ struct Gate {
   double limit = 0, value = 0;
   bool holds = true;
   std::string detail;
+  std::optional<Vec3> place{};  ///< where the value is worst, if that is one place; also where it holds
 };
 
 struct SurfaceSettings {

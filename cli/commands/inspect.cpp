@@ -27,8 +27,7 @@ class WithoutWarnings final : public Progress {
 
 int run_inspect(const Options& options, Progress& progress) {
   const std::unique_ptr<AtomicFile> json = open_json(options);
-  std::unique_ptr<AtomicFile> report;
-  if (!options.report.empty()) report = std::make_unique<AtomicFile>(options.report);
+  const std::unique_ptr<AtomicFile> report = open_report(options);
   WithoutWarnings quiet(progress);
   const CadModel model = read_cad(options.inputs, cad_settings(options), quiet);
   if (json) {
@@ -37,7 +36,7 @@ int run_inspect(const Options& options, Progress& progress) {
     facts["cad"]["face_list"] = faces_json(model);
     write_json(facts, *json);
   }
-  if (report) write_cad_report(report->stream(), model);
+  if (report) write_cad_report(report->stream(), options, model);
   if (json) json->commit();
   if (report) report->commit();
   print(cad_table(model));

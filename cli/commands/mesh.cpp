@@ -8,6 +8,7 @@
 #include "cli/commands/commands.hpp"
 #include "cli/fit_job.hpp"
 #include "cli/mesh_outputs.hpp"
+#include "cli/report/fit_report.hpp"
 #include "cli/summary.hpp"
 #include "cli/terminal.hpp"
 #include "core/blocks/symmetry_plane.hpp"
@@ -192,9 +193,10 @@ void warn_of_first_height(const Options& options, const LayerReport& layers, Pro
 
 }  // namespace
 
-int run_mesh(const Options& given, Progress& progress) {
+int run_mesh(const Options& given, Progress& terminal) {
   const Clock::time_point start = Clock::now();
   const Options options = with_first_height(given);
+  RecordedWarnings progress(terminal);
   MeshOutputs::check_formats(options.outputs);
   check_route(options);
   const FitInputs inputs = read_fit_inputs(options, progress);
@@ -203,19 +205,26 @@ int run_mesh(const Options& given, Progress& progress) {
   const std::unique_ptr<BlockSource> source = block_source(options, inputs, progress);
   MeshOutputs outputs(options);
   const std::unique_ptr<AtomicFile> json_file = open_json(options);
+  FitReport fit_report(options);
 
   VolumeResult result = make_volume(*source, inputs.cad, settings, progress);
   warn_of_first_height(options, result.layers, progress);
   const Clock::time_point write_start = Clock::now();
   const bool write = options.force || all_hold(result.gates);
+  std::optional<Scene> scene;  // before the mesh is scaled
+  if (fit_report.wanted()) scene = volume_scene(inputs.cad, result, options.tolerance);
   if (write) {
     const double scale = 1 / metres_per_unit(options.unit);
     for (Vec3& p : result.mesh.mutable_points()) p *= scale;
     for (double& d : result.deviation) d *= scale;
     outputs.write(result.mesh, result.deviation, progress);
   }
+  Json json = report(options, inputs, *source, result);
+  if (scene) {
+    fit_report.write({.command = "mesh", .options = options, .warnings = progress.messages(), .facts = json},
+                     *scene, result.gates, progress);
+  }
   if (json_file) {
-    Json json = report(options, inputs, *source, result);
     json["seconds"] = {{"read", inputs.read_seconds},         {"cage", 0.0},
                        {"fit", result.fit_seconds},           {"volume", result.volume_seconds},
                        {"write", seconds_since(write_start)}, {"total", seconds_since(start)}};
@@ -224,6 +233,7 @@ int run_mesh(const Options& given, Progress& progress) {
   }
   if (write) outputs.commit();
   if (json_file) json_file->commit();
+  fit_report.commit();
   if (!options.quiet) print_summary(volume_summary(result, inputs.cad.diagonal(), options));
   require_gates(result.gates);
   return 0;

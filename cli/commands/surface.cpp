@@ -9,6 +9,7 @@
 #include "cli/commands/commands.hpp"
 #include "cli/fit_job.hpp"
 #include "cli/output_names.hpp"
+#include "cli/report/fit_report.hpp"
 #include "cli/summary.hpp"
 #include "cli/terminal.hpp"
 #include "core/base/atomic_file.hpp"
@@ -54,12 +55,13 @@ PatchSurface fitted_patches(const SurfaceFit& fit, Progress& progress) {
 
 }  // namespace
 
-int run_surface(const Options& options, Progress& progress) {
+int run_surface(const Options& options, Progress& terminal) {
   using Clock = std::chrono::steady_clock;
   const auto seconds_since = [](Clock::time_point t) {
     return std::chrono::duration<double>(Clock::now() - t).count();
   };
   const Clock::time_point start = Clock::now();
+  RecordedWarnings progress(terminal);
   std::vector<std::string> formats;
   for (const std::string& name : options.outputs) formats.push_back(format_of(name));
   const bool as_step = std::find(formats.begin(), formats.end(), ".step") != formats.end();
@@ -81,6 +83,7 @@ int run_surface(const Options& options, Progress& progress) {
   std::vector<std::unique_ptr<AtomicFile>> outputs;
   for (const std::string& name : options.outputs) outputs.push_back(std::make_unique<AtomicFile>(name));
   const std::unique_ptr<AtomicFile> json_file = open_json(options);
+  FitReport fit_report(options);
 
   const Clock::time_point fit_start = Clock::now();
   SurfaceSettings settings;
@@ -93,6 +96,8 @@ int run_surface(const Options& options, Progress& progress) {
 
   const Clock::time_point write_start = Clock::now();
   const bool write = options.force || all_hold(result.gates);
+  std::optional<Scene> scene;  // before the mesh is scaled
+  if (fit_report.wanted()) scene = surface_scene(inputs.cad, result, options.tolerance);
   std::optional<PatchSurface> patches;
   if (write && as_step) patches = fitted_patches(result.fit, progress);
   if (write) {
@@ -109,13 +114,18 @@ int run_surface(const Options& options, Progress& progress) {
       }
     }
   }
+  Json json = new_report();
+  json["cad"] = cad_json(inputs.cad.summary());
+  json["cage"] = cage_json(inputs, inputs.cage, options);
+  json["surface"] = surface_json(result.fit);
+  if (patches) json["surface"]["step"] = step_json(*patches, inputs.cad.diagonal());
+  json["gates"] = gates_json(result.gates);
+  if (scene) {
+    fit_report.write(
+        {.command = "surface", .options = options, .warnings = progress.messages(), .facts = json}, *scene,
+        result.gates, progress);
+  }
   if (json_file) {
-    Json json = new_report();
-    json["cad"] = cad_json(inputs.cad.summary());
-    json["cage"] = cage_json(inputs, inputs.cage, options);
-    json["surface"] = surface_json(result.fit);
-    if (patches) json["surface"]["step"] = step_json(*patches, inputs.cad.diagonal());
-    json["gates"] = gates_json(result.gates);
     json["seconds"] = {{"read", inputs.read_seconds},
                        {"cage", 0.0},
                        {"fit", fit_seconds},
@@ -130,6 +140,7 @@ int run_surface(const Options& options, Progress& progress) {
     for (const auto& output : outputs) output->commit();
   }
   if (json_file) json_file->commit();
+  fit_report.commit();
   if (!options.quiet) {
     print_summary(surface_summary(result.fit, inputs.cad.diagonal()));
     if (patches) print_summary(patches_summary(*patches, inputs.cad.diagonal()));

@@ -132,30 +132,3 @@ TEST_CASE("inspect says what an open border is") {
   CHECK(borders[0]["axis"] == "y");
   CHECK(borders[0]["value"].get<double>() == Approx(0).margin(1e-9));
 }
-
-TEST_CASE("inspect --report: one page that needs nothing else, and names stay text") {
-  const WorkFolder folder;
-  write_tagged({{.shape = make_onera_m6(), .tag = {.name = "<script>alert(1)</script>"}},
-                // beside the wing: y = 0 is a symmetry plane only where nothing is beyond it
-                {.shape = make_box({0.1, 0.1, 0.1}), .tag = {.name = "a & \"b\""}, .places = {{0, 0.5, 1}}}},
-               (folder.path() / "wing.step").string());
-  const ProgramRun run =
-      run_flowcage({"inspect", "wing.step", "--report", "wing.html"}, {.folder = folder.path()});
-  REQUIRE(run.exit_code == 0);
-  const std::string page = folder.text_of("wing.html");
-  CHECK(page.find("<script") == std::string::npos);
-  CHECK(page.find("&lt;script&gt;alert(1)&lt;/script&gt;") != std::string::npos);
-  CHECK(page.find("a &amp; &quot;b&quot;") != std::string::npos);
-  CHECK(page.find("src=") == std::string::npos);
-  CHECK(page.find("href=") == std::string::npos);
-  CHECK(page.find("symmetry plane, waterline or open end in y = ") != std::string::npos);
-  std::size_t pictures = 0, triangles = 0, borders = 0;
-  for (std::size_t at = 0; (at = page.find("<svg", at)) != std::string::npos; ++at) ++pictures;
-  for (std::size_t at = 0; (at = page.find("<path", at)) != std::string::npos; ++at) ++triangles;
-  for (std::size_t at = 0; (at = page.find("<polyline", at)) != std::string::npos; ++at) ++borders;
-  CHECK(pictures == 3);
-  CHECK(triangles > 3 * 100);
-  CHECK(borders == 3);  // the root is one chain, from the trailing edge around the smooth leading edge
-  CHECK(run_flowcage({"inspect", "wing.step", "--report", "none/x.html"}, {.folder = folder.path()})
-            .exit_code == 5);
-}
