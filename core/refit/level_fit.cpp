@@ -4,6 +4,8 @@
 #include <array>
 #include <chrono>
 
+#include "core/refit/unfold.hpp"
+
 namespace flowcage {
 namespace {
 
@@ -35,7 +37,6 @@ class LevelPasses {
     const bool tangent = input_.settings.tangent_distance;
     mode_ = {relaxing > 0 ? 0.5 : 0, false};
     best() = evaluate_pass(input_.level, input_.match, input_.target, control_points, mode_, nullptr);
-    if (input_.level.topology.depth > 0) unfold();  // a cage has its own other starts: fit_cage
     for (int pass = 1; pass < relaxing; ++pass) {
       if (!improve({}, 2.0)) break;  // relaxation asks too much here: go on without it
     }
@@ -51,8 +52,11 @@ class LevelPasses {
   /// Passes of one kind until they gain little.
   void converge(double weight) {
     const bool tangent = input_.settings.tangent_distance;
-    const int budget = result_.passes + input_.settings.max_passes;
-    while (result_.passes < budget) {
+    // Each weight has passes of its own on the cage, which may be rough; below, where a pass costs more and
+    // the start is good, they share.
+    const bool on_cage = input_.level.topology.depth == 0;
+    const int last = (on_cage ? result_.passes : 0) + input_.settings.max_passes;
+    while (result_.passes < last) {
       const double before = best().score();
       const StageMetrics metrics = tangent ? tangent_metrics(input_.level, best(), weight) : StageMetrics{};
       if (!improve(metrics, 1.0)) return;
@@ -63,59 +67,18 @@ class LevelPasses {
     result_.stopped_because = "passes used up";
   }
 
-  /// What folds at the start of a level is evened out: no pass unfolds what the solve itself asks for.
-  void unfold() {
-    constexpr int rounds = 8;
-    for (int round = 0; round < rounds && best().folds() > 0; ++round) {
-      FitPass next = evaluated(evened_where_folded(round / 2));
-      if (next.folds() < best().folds()) best() = std::move(next);
-    }
-  }
-
-  /// Vertices between creases drawn to the mean of their neighbours round the faces that fold, `rings` rings
-  /// of faces further.
-  std::vector<Vec3> evened_where_folded(int rings) {
-    constexpr int sweeps = 4;
-    const SurfaceLevel& t = input_.level.topology;
-    std::vector<bool> near(best().control_points.size(), false);
-    for (const Index f : best().folded) {
-      for (const Index v : t.face_vertices[f]) near[v] = true;
-    }
-    for (int ring = 0; ring < rings; ++ring) near = with_neighbours(near);
-    std::vector<Vec3> points = best().control_points;
-    for (int sweep = 0; sweep < sweeps; ++sweep) {
-      for (Index v = 0; v < t.vertex_count(); ++v) {
-        if (!near[v] || input_.level.vertex_stage[v] != SolveStage::interior) continue;
-        Vec3 sum = Vec3::Zero();
-        for (const Index e : t.vertex_edges[v]) {
-          const auto& [a, b] = t.edge_vertices[e];
-          sum += points[a == v ? b : a];
-        }
-        points[v] = sum / static_cast<double>(t.vertex_edges[v].size());
-      }
-    }
-    return points;
-  }
-
-  std::vector<bool> with_neighbours(const std::vector<bool>& vertices) const {
-    const SurfaceLevel& t = input_.level.topology;
-    std::vector<bool> more = vertices;
-    for (Index f = 0; f < t.face_count(); ++f) {
-      const auto corners = t.face_vertices[f];
-      if (std::none_of(corners.begin(), corners.end(), [&](Index v) { return vertices[v]; })) continue;
-      for (const Index v : corners) more[v] = true;
-    }
-    return more;
-  }
-
-  /// One pass of refit and projection; takes steps back where it folds, then halves the whole step until it
-  /// is acceptable. False when none is.
+  /// One pass of refit and projection. Where it folds it is unfolded, or else takes its steps back; then the
+  /// whole step is halved until it is acceptable. False when none is.
   bool improve(const StageMetrics& metrics, double allowed) {
     HierarchicalResult solved =
         solve_hierarchical(input_.level.system, best().targets, best().control_points, cgls_, metrics);
     result_.iterations += solved.iterations;
     ++result_.passes;
     FitPass next = evaluated(std::move(solved.control_points));
+    if (next.folds() > 0) {
+      FitPass open = evaluated(unfolded_points(input_.level, next));
+      if (open.folds() < next.folds()) next = std::move(open);
+    }
     std::vector<bool> held(next.control_points.size(), false);
     for (int held_back = 0; held_back < 3 && next.folds() > best().folds(); ++held_back) {
       next = evaluated(held_where_folded(next, held));
