@@ -24,9 +24,11 @@ struct CommandSpec {
   bool writes = true;
 };
 
-constexpr const char* mesh_inputs_help = "an OpenFOAM case folder or X.foam, X.vtu, X.cgns, X.msh or X.su2";
+constexpr const char* mesh_inputs_help =
+    "an OpenFOAM case folder or X.foam, X.vtu, X.vtm, X.cgns, X.msh or X.su2";
 constexpr const char* mesh_outputs_help =
-    "a folder or X.foam (OpenFOAM polyMesh), X.vtu, X.cgns, X.msh (Gmsh), X.su2 or X.xyz (Plot3D, with "
+    "a folder or X.foam (OpenFOAM polyMesh), X.vtu, X.vtm, X.cgns, X.msh (Gmsh), X.su2 or X.xyz (Plot3D, "
+    "with "
     "X.nmf); may be repeated";
 
 const std::vector<CommandSpec>& command_table() {

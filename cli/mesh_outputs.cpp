@@ -6,14 +6,15 @@
 #include <optional>
 #include <set>
 
-#include "cli/output_names.hpp"
 #include "core/base/atomic_file.hpp"
 #include "core/base/error.hpp"
+#include "core/export/file_text.hpp"
 #include "core/export/write_cgns.hpp"
 #include "core/export/write_gmsh.hpp"
 #include "core/export/write_plot3d.hpp"
 #include "core/export/write_polymesh.hpp"
 #include "core/export/write_su2.hpp"
+#include "core/export/write_vtm.hpp"
 #include "core/export/write_vtu.hpp"
 #include "core/mesh/hex_adjacency.hpp"
 #include "core/quality/jacobian.hpp"
@@ -22,23 +23,20 @@ namespace flowcage {
 namespace fs = std::filesystem;
 namespace {
 
-enum class Format { vtu, cgns, plot3d, gmsh, su2, foam_file, folder };
+enum class Format { vtu, vtm, cgns, plot3d, gmsh, su2, foam_file, folder };
 constexpr const char* known_formats =
-    "give X.vtu, X.cgns, X.xyz, X.msh, X.su2, X.foam or a folder (with / at its end)";
+    "give X.vtu, X.vtm, X.cgns, X.xyz, X.msh, X.su2, X.foam or a folder (with / at its end)";
 
 Format format_of(const std::string& name) {
   const std::string extension = lower_extension(name);
   if (extension == ".vtu") return Format::vtu;
+  if (extension == ".vtm") return Format::vtm;
   if (extension == ".cgns") return Format::cgns;
   if (extension == ".xyz" || extension == ".p3d") return Format::plot3d;
   if (extension == ".msh") return Format::gmsh;
   if (extension == ".su2") return Format::su2;
   if (extension == ".foam") return Format::foam_file;
   if (extension.empty() || fs::is_directory(name)) return Format::folder;
-  if (extension == ".vtm") {
-    throw Error(ErrorKind::usage, fmt::format("-o: {}: the format .vtm is not in this version", name),
-                known_formats);
-  }
   throw Error(ErrorKind::usage, fmt::format("-o: {}: unknown mesh format {}", name, extension),
               known_formats);
 }
@@ -65,13 +63,29 @@ class BlocksOnDemand {
   std::optional<StructuredBlocks> merged_;
 };
 
+/// The fields of the VTK formats.
+class VtkFields {
+ public:
+  VtkFields(const HexView& mesh, const std::vector<double>& deviation)
+      : jacobians_(scaled_jacobians(mesh)), deviation_(deviation.begin(), deviation.end()) {}
+  VtuFields fields() const {
+    VtuFields fields{{{"scaled_jacobian", jacobians_, {}}}, {}};
+    if (!deviation_.empty()) fields.point_fields.push_back({"deviation", deviation_});
+    return fields;
+  }
+
+ private:
+  std::vector<float> jacobians_, deviation_;
+};
+
 }  // namespace
 
 struct MeshOutputs::Output {
   Format format;
   std::string name;
   std::unique_ptr<AtomicFile> file;
-  std::unique_ptr<AtomicFile> map;  ///< beside a Plot3D grid
+  std::unique_ptr<AtomicFile> map;       ///< beside a Plot3D grid
+  std::unique_ptr<AtomicFolder> pieces;  ///< beside a VTM file
   std::unique_ptr<AtomicFolder> poly_mesh;
   fs::path case_folder;
   std::string foam_file;
@@ -95,6 +109,10 @@ MeshOutputs::MeshOutputs(const Options& options) : unit_(options.unit), unstruct
       output.foam_file = "case.foam";
     } else {
       output.file = std::make_unique<AtomicFile>(path);
+      if (output.format == Format::vtm) {
+        const fs::path folder = vtm_folder(path);
+        output.pieces = std::make_unique<AtomicFolder>(folder, "", vtm_entries(folder));
+      }
       if (output.format == Format::plot3d) {
         output.map = std::make_unique<AtomicFile>(fs::path(path).replace_extension(".nmf"));
       }
@@ -114,14 +132,13 @@ void MeshOutputs::write(const HexView& mesh, const std::vector<double>& deviatio
   for (Output& output : outputs_) {
     std::vector<std::string> notes;
     switch (output.format) {
-      case Format::vtu: {
-        const std::vector<float> jacobians = scaled_jacobians(mesh);
-        const std::vector<float> deviations(deviation.begin(), deviation.end());
-        VtuFields fields{{{"scaledJacobian", jacobians, {}}}, {}};
-        if (!deviations.empty()) fields.point_fields.push_back({"deviation", deviations});
-        notes = write_vtu(output.file->stream(), mesh, fields, &progress);
+      case Format::vtu:
+        notes = write_vtu(output.file->stream(), mesh, VtkFields(mesh, deviation).fields(), &progress);
         break;
-      }
+      case Format::vtm:
+        notes = write_vtm(output.file->stream(), *output.pieces, vtm_folder(output.name).filename().string(),
+                          blocks.mesh(), blocks.merged(), VtkFields(mesh, deviation).fields(), &progress);
+        break;
       case Format::cgns: {
         const CgnsSettings settings{unit_, output.name};
         if (unstructured_) {
@@ -155,6 +172,7 @@ void MeshOutputs::write(const HexView& mesh, const std::vector<double>& deviatio
 
 void MeshOutputs::commit() {
   for (Output& output : outputs_) {
+    if (output.pieces) output.pieces->commit();  // before the file that names them
     if (output.file) output.file->commit();
     if (output.map) output.map->commit();
     if (output.poly_mesh) {

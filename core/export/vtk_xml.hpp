@@ -1,6 +1,7 @@
 #pragma once
 #include <functional>
 #include <ostream>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,24 @@ class AppendedArrays {
   std::vector<std::vector<Part>> arrays_;
   Offset next_ = 0;
 };
+
+/// The values as they are in memory.
+template <typename Value>
+AppendedArrays::Part array_part(std::span<const Value> values) {
+  return {static_cast<Offset>(values.size()), sizeof(Value),
+          [values](Offset begin, Offset end, std::string& bytes) {
+            bytes.append(reinterpret_cast<const char*>(values.data() + begin),
+                         static_cast<std::size_t>(end - begin) * sizeof(Value));
+          }};
+}
+
+/// `count` values, value(i) as type Value.
+template <typename Value, typename Function>
+AppendedArrays::Part computed_part(Offset count, Function value) {
+  return {count, sizeof(Value), [value](Offset begin, Offset end, std::string& bytes) {
+            for (Offset i = begin; i < end; ++i) append_raw(bytes, static_cast<Value>(value(i)));
+          }};
+}
 
 /// A name inside an XML attribute.
 std::string xml_escaped(const std::string& text);

@@ -18,9 +18,49 @@ def hex_volume(p):
     return total
 
 
+def print_multiblock(path, numpy_of):
+    """Of a .vtm: its groups' pieces by name, the hexes' volume, and fields."""
+    source = vtk.vtkXMLMultiBlockDataReader()
+    errors = []
+    source.AddObserver("ErrorEvent", lambda *a: errors.append(a))
+    source.SetFileName(path)
+    source.Update()
+    data = source.GetOutput()
+    if errors or data.GetNumberOfBlocks() != 2:
+        sys.exit("VTK reports an error")
+    points, hexes, volume, jacobians = set(), 0, 0.0, []
+    for group in range(2):
+        pieces = data.GetBlock(group)
+        print("group:" + data.GetMetaData(group).Get(vtk.vtkCompositeDataSet.NAME()), pieces.GetNumberOfBlocks())
+        for i in range(pieces.GetNumberOfBlocks()):
+            piece = pieces.GetBlock(i)
+            name = pieces.GetMetaData(i).Get(vtk.vtkCompositeDataSet.NAME())
+            ids = numpy_of(piece.GetPointData().GetGlobalIds())
+            points.update(ids.tolist())
+            if group == 1:
+                print("faces:" + name, piece.GetNumberOfPolys())
+                print("patch:" + name, int(numpy_of(piece.GetCellData().GetArray("patchId"))[0]))
+                continue
+            hexes += piece.GetNumberOfCells()
+            grid = vtk.vtkAppendFilter()  # hexes with their corners
+            grid.SetInputData(piece)
+            grid.Update()
+            cells = grid.GetOutput()
+            corners = numpy_of(cells.GetCells().GetConnectivityArray()).reshape(-1, 8)
+            volume += float(hex_volume(numpy_of(cells.GetPoints().GetData())[corners]).sum())
+            jacobians.append(numpy_of(piece.GetCellData().GetArray("scaled_jacobian")).min())
+    print("points", len(points))
+    print("hexes", hexes)
+    print("volume", repr(volume))
+    print("jacobian_min", repr(float(min(jacobians))))
+
+
 if reader == "vtk":
     import vtk
     from vtk.util.numpy_support import vtk_to_numpy as numpy_of
+    if path.endswith(".vtm"):
+        print_multiblock(path, numpy_of)
+        sys.exit()
     source = vtk.vtkXMLPolyDataReader() if path.endswith(".vtp") else vtk.vtkXMLUnstructuredGridReader()
     errors = []
     source.AddObserver("ErrorEvent", lambda *a: errors.append(a))
