@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <optional>
 #include <set>
@@ -10,6 +11,7 @@
 #include "core/base/error.hpp"
 #include "core/export/file_text.hpp"
 #include "core/export/write_cgns.hpp"
+#include "core/export/write_curved.hpp"
 #include "core/export/write_gmsh.hpp"
 #include "core/export/write_plot3d.hpp"
 #include "core/export/write_polymesh.hpp"
@@ -89,10 +91,31 @@ struct MeshOutputs::Output {
   std::unique_ptr<AtomicFolder> poly_mesh;
   fs::path case_folder;
   std::string foam_file;
+  std::vector<FoamCaseFile> case_files;  ///< of --case
+};
+
+/// A mesh and what several formats need of it, made when the first asks.
+struct MeshOutputs::LinearMesh {
+  const HexView& mesh;
+  const std::vector<double>& deviation;
+  std::optional<HexAdjacency> adjacency;
+  BlocksOnDemand blocks;
 };
 
 void MeshOutputs::check_formats(const std::vector<std::string>& names) {
   for (const std::string& name : names) format_of(name);
+}
+
+bool MeshOutputs::has_foam_case(const std::vector<std::string>& names) {
+  return std::ranges::any_of(names, [](const std::string& name) {
+    const Format format = format_of(name);
+    return format == Format::foam_file || format == Format::folder;
+  });
+}
+
+bool MeshOutputs::holds_curved(const std::string& name) {
+  const Format format = format_of(name);
+  return format == Format::vtu || format == Format::gmsh || format == Format::cgns;
 }
 
 MeshOutputs::MeshOutputs(const Options& options) : unit_(options.unit), unstructured_(options.unstructured) {
@@ -125,45 +148,50 @@ MeshOutputs::MeshOutputs(const Options& options) : unit_(options.unit), unstruct
 
 MeshOutputs::~MeshOutputs() = default;
 
-void MeshOutputs::write(const HexView& mesh, const std::vector<double>& deviation, Progress& progress) {
-  std::set<std::string> said;  // every format carries the same names, so they have the same notes
-  std::optional<HexAdjacency> adjacency;
-  BlocksOnDemand blocks(mesh);
-  for (Output& output : outputs_) {
-    std::vector<std::string> notes;
-    switch (output.format) {
-      case Format::vtu:
-        notes = write_vtu(output.file->stream(), mesh, VtkFields(mesh, deviation).fields(), &progress);
-        break;
-      case Format::vtm:
-        notes = write_vtm(output.file->stream(), *output.pieces, vtm_folder(output.name).filename().string(),
-                          blocks.mesh(), blocks.merged(), VtkFields(mesh, deviation).fields(), &progress);
-        break;
-      case Format::cgns: {
-        const CgnsSettings settings{unit_, output.name};
-        if (unstructured_) {
-          notes = write_cgns_unstructured(output.file->path(), mesh, settings, &progress);
-          break;
-        }
-        notes = write_cgns(output.file->path(), blocks.mesh(), blocks.merged(), settings, &progress);
-        break;
-      }
-      case Format::plot3d:
-        write_plot3d(output.file->stream(), blocks.mesh(), blocks.merged(), &progress);
-        notes = write_neutral_map(output.map->stream(), blocks.mesh(), blocks.merged());
-        break;
-      case Format::gmsh:
-        notes = write_gmsh(output.file->stream(), mesh, &progress);
-        break;
-      case Format::su2:
-        notes = write_su2(output.file->stream(), mesh, &progress);
-        break;
-      case Format::foam_file:
-      case Format::folder:
-        if (!adjacency) adjacency = build_hex_adjacency(mesh);
-        notes = write_polymesh(*output.poly_mesh, mesh, *adjacency, {}, &progress);
-        break;
+std::vector<std::string> MeshOutputs::write_curved(Output& output, const CurvedMesh& mesh,
+                                                   Progress& progress) {
+  if (output.format == Format::vtu) return write_curved_vtu(output.file->stream(), mesh, &progress);
+  if (output.format == Format::gmsh) return write_curved_gmsh(output.file->stream(), mesh, &progress);
+  return write_curved_cgns(output.file->path(), mesh, {unit_, output.name}, &progress);
+}
+
+std::vector<std::string> MeshOutputs::write_linear(Output& output, LinearMesh& of, Progress& progress) {
+  const HexView& mesh = of.mesh;
+  switch (output.format) {
+    case Format::vtu:
+      return write_vtu(output.file->stream(), mesh, VtkFields(mesh, of.deviation).fields(), &progress);
+    case Format::vtm:
+      return write_vtm(output.file->stream(), *output.pieces, vtm_folder(output.name).filename().string(),
+                       of.blocks.mesh(), of.blocks.merged(), VtkFields(mesh, of.deviation).fields(),
+                       &progress);
+    case Format::cgns: {
+      const CgnsSettings settings{unit_, output.name};
+      if (unstructured_) return write_cgns_unstructured(output.file->path(), mesh, settings, &progress);
+      return write_cgns(output.file->path(), of.blocks.mesh(), of.blocks.merged(), settings, &progress);
     }
+    case Format::plot3d:
+      write_plot3d(output.file->stream(), of.blocks.mesh(), of.blocks.merged(), &progress);
+      return write_neutral_map(output.map->stream(), of.blocks.mesh(), of.blocks.merged());
+    case Format::gmsh:
+      return write_gmsh(output.file->stream(), mesh, &progress);
+    case Format::su2:
+      return write_su2(output.file->stream(), mesh, &progress);
+    case Format::foam_file:
+    case Format::folder:
+      break;
+  }
+  if (!of.adjacency) of.adjacency = build_hex_adjacency(mesh);
+  if (flow_) output.case_files = foam_case_files(mesh, *flow_);
+  return write_polymesh(*output.poly_mesh, mesh, *of.adjacency, {}, &progress);
+}
+
+void MeshOutputs::write(const HexView& mesh, const std::vector<double>& deviation, Progress& progress,
+                        const CurvedMesh* curved) {
+  std::set<std::string> said;  // every format carries the same names, so they have the same notes
+  LinearMesh linear{mesh, deviation, {}, BlocksOnDemand(mesh)};
+  for (Output& output : outputs_) {
+    const std::vector<std::string> notes =
+        curved ? write_curved(output, *curved, progress) : write_linear(output, linear, progress);
     for (const std::string& note : notes) {
       if (said.insert(note).second) progress.warn(note);
     }
@@ -177,6 +205,7 @@ void MeshOutputs::commit() {
     if (output.map) output.map->commit();
     if (output.poly_mesh) {
       output.poly_mesh->commit();
+      write_foam_case(output.case_folder, output.case_files);
       write_case_files(output.case_folder, output.foam_file);
     }
   }

@@ -58,7 +58,7 @@ AppendedArrays::Part computed_part(Offset count, Function value) {
 std::string xml_escaped(const std::string& text);
 
 /// `<VTKFile type="TYPE" ...>` as AppendedArrays needs it.
-std::string vtk_file_header(const std::string& type);
+std::string vtk_file_header(const std::string& type, const std::string& version = "1.0");
 
 /// FieldData of a mesh or surface: per patch an array `patch:NAME` that holds its id (the position in
 /// `names`), and `patchTypes` if given.

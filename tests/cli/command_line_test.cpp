@@ -153,7 +153,7 @@ TEST_CASE("convert: from each format to each other, whole or not at all") {
   folder.put("LOUD.MSH", folder.text_of("b.msh"));
   CHECK(run_flowcage({"convert", "LOUD.MSH", "-o", "LOUD.SU2"}, in).exit_code == 0);
   check_error(run_flowcage({"convert", "b.msh", "-o", "g.vtm", "-o", "g_vtm"}, in), 2,
-              "the same file as the folder of -o g.vtm", "");
+              "the folder of -o g.vtm g_vtm: the same file", "");
   const Strings before = folder.entries();
   folder.put("a.su2", one_hex.substr(0, 80));
   check_error(run_flowcage({"convert", "a.su2", "-o", "e.msh"}, in), 3, "a.su2:10: the file ends",
