@@ -13,7 +13,7 @@ trap 'dpkg --purge flowcage >/dev/null 2>&1 || true; rm -rf "$work"' EXIT
 cpack --config "$build/CPackConfig.cmake" -B "$work/package" >"$work/cpack.log" 2>&1 || { cat "$work/cpack.log"; exit 1; }
 deb=$(ls "$work"/package/*.deb)
 dpkg-deb --info "$deb" | grep -E 'Package:|Version:|Depends:'
-dpkg-deb --info "$deb" | grep -q 'Depends:.*libocct' || { echo "the libraries are no dependencies"; exit 1; }
+dpkg-deb --info "$deb" | grep 'Depends:.*libocct' >/dev/null || { echo "the libraries are no dependencies"; exit 1; }
 dpkg --install "$deb" >"$work/dpkg.log" 2>&1 || { cat "$work/dpkg.log"; exit 1; }
 
 cd "$work"
@@ -21,7 +21,7 @@ cd "$work"
 flowcage --version | head -1
 "$sphere" sphere.step
 flowcage mesh sphere.step --cage "$cage" --levels 2 --tolerance 1e-3 --quiet -o sphere.vtu
-flowcage quality sphere.vtu | grep -q '^inverted  0$'
+flowcage quality sphere.vtu | grep '^inverted  0$' >/dev/null
 [ -s /usr/share/man/man1/flowcage.1 ] || [ -s /usr/share/man/man1/flowcage.1.gz ]
 dpkg --purge flowcage >/dev/null
 [ ! -e /usr/bin/flowcage ]
