@@ -8,6 +8,7 @@
 #include <array>
 #include <memory>
 
+#include "cli/command_table.hpp"
 #include "cli/config_file.hpp"
 #include "core/base/error.hpp"
 #include "core/base/suggestion.hpp"
@@ -17,60 +18,11 @@
 namespace flowcage {
 namespace {
 
-struct CommandSpec {
-  Command command;
-  std::string name, summary, input_name, input_help, output_name, output_help, example;
-  bool many_inputs = false;
-  bool writes = true;
-};
-
-constexpr const char* mesh_inputs_help = "an OpenFOAM case folder or X.foam, X.vtu, X.cgns, X.msh or X.su2";
-constexpr const char* mesh_outputs_help =
-    "a folder or X.foam (OpenFOAM polyMesh), X.vtu, X.cgns, X.msh (Gmsh), X.su2 or X.xyz (Plot3D, with "
-    "X.nmf); may be repeated";
-
-const std::vector<CommandSpec>& command_table() {
-  static const std::vector<CommandSpec> table{
-      {Command::mesh, "mesh", "CAD and a cage to an all-hex volume mesh", "CAD", "STEP or IGES files", "OUT",
-       mesh_outputs_help, "flowcage mesh wing.step --cage wing_cage.obj --symmetry y --levels 3 -o case",
-       true},
-      {Command::surface, "surface", "the fitted surface of a CAD and a cage: a mesh, or B-spline patches",
-       "CAD", "STEP or IGES files", "OUT", "X.obj, X.vtp, X.stl or X.step; may be repeated",
-       "flowcage surface wing.step --cage wing_cage.obj --levels 3 -o wing.obj", true},
-      {Command::subdivide, "subdivide", "Catmull-Clark subdivision of a cage, without CAD", "CAGE",
-       "the cage (OBJ)", "OUT", "X.obj", "flowcage subdivide cage.obj --levels 2 --limit -o limit.obj"},
-      {Command::inspect, "inspect", "what is in a CAD file: units, size, faces, edges, names, problems",
-       "CAD", "STEP or IGES files", "", "", "flowcage inspect wing.step --json wing.json", true, false},
-      {Command::quality, "quality", "the quality table of a hex mesh and its worst cells", "MESH",
-       mesh_inputs_help, "", "", "flowcage quality case --json quality.json", 1, false},
-      {Command::cage, "cage", "proposes a cage and blocks for a CAD, to edit and give back to mesh", "CAD",
-       "STEP or IGES files", "OUT", "X.obj (the cage) or X.vtu (the blocks); may be repeated",
-       "flowcage cage part.step -o cage.obj -o blocks.vtu", true},
-      {Command::convert, "convert", "one mesh format to another", "MESH", mesh_inputs_help, "OUT",
-       mesh_outputs_help, "flowcage convert mesh.msh -o case -o mesh.vtu"}};
-  return table;
-}
-
-/// "0 < T <= 1; default 0.0001 bounding-box diagonals"
-std::string notes(const OptionSpec& row) {
-  const std::string value = row.is_flag() ? std::string() : row.show(Options{});
-  std::string text = row.range;
-  const auto add = [&text](const std::string& part) { text += (text.empty() ? "" : "; ") + part; };
-  if (!row.unit.empty()) add("in " + row.unit);
-  if (!row.default_text.empty()) {
-    add("default: " + row.default_text);
-  } else if (!value.empty()) {
-    add("default: " + value);
-  }
-  if (row.is_flag() && row.negatable) add("default: on");
-  return text.empty() ? row.help : fmt::format("{} [{}]", row.help, text);
-}
-
 void bind(CLI::App& app, const OptionSpec& row, Options& options) {
   const auto set = row.set;
   if (row.is_flag()) {
     app.add_flag_callback(
-           "--" + row.name, [set, &options] { set(options, "true"); }, notes(row))
+           "--" + row.name, [set, &options] { set(options, "true"); }, option_notes(row))
         ->group(row.group);
     if (row.negatable) {
       app.add_flag_callback(
@@ -85,7 +37,7 @@ void bind(CLI::App& app, const OptionSpec& row, Options& options) {
            [set, &options](const std::vector<std::string>& values) {
              for (const std::string& value : values) set(options, value);
            },
-           notes(row))
+           option_notes(row))
         ->type_name(row.value_name)
         ->expected(1)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
@@ -93,20 +45,22 @@ void bind(CLI::App& app, const OptionSpec& row, Options& options) {
     return;
   }
   app.add_option_function<std::string>(
-         "--" + row.name, [set, &options](const std::string& v) { set(options, v); }, notes(row))
+         "--" + row.name, [set, &options](const std::string& v) { set(options, v); }, option_notes(row))
       ->type_name(row.value_name)
       ->group(row.group);
 }
 
 CLI::App* add_command(CLI::App& app, const CommandSpec& spec, Options& options) {
   CLI::App* sub = app.add_subcommand(spec.name, spec.summary);
-  sub->add_option(spec.input_name, options.inputs, spec.input_help)
-      ->required()
-      ->type_name("")
-      ->expected(spec.many_inputs ? -1 : 1);
-  if (spec.writes) {
-    sub->add_option("-o,--output", options.outputs, spec.output_help)
+  if (!spec.input_name.empty()) {
+    sub->add_option(spec.input_name, options.inputs, spec.input_help)
         ->required()
+        ->type_name("")
+        ->expected(spec.many_inputs ? -1 : 1);
+  }
+  if (!spec.output_name.empty()) {
+    sub->add_option("-o,--output", options.outputs, spec.output_help)
+        ->required(!spec.has_out_dir())
         ->type_name(spec.output_name)
         ->expected(1)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
@@ -185,6 +139,24 @@ void check_opposites(const CLI::App& app) {
   }
 }
 
+/// Where outputs go is said once.
+void check_out_dir(const CommandSpec& spec, const Options& options) {
+  if (!spec.has_out_dir()) return;
+  if (options.out_dir.empty()) {
+    if (!options.outputs.empty()) return;
+    throw Error(ErrorKind::usage, "--output is required",
+                fmt::format("give -o {}, see flowcage {} --help", spec.output_name, spec.name));
+  }
+  const std::string clash = !options.outputs.empty()    ? "-o"
+                            : !options.json.empty()     ? "--json"
+                            : !options.report.empty()   ? "--report"
+                            : !options.pictures.empty() ? "--pictures"
+                                                        : "";
+  if (clash.empty()) return;
+  throw Error(ErrorKind::usage, fmt::format("{} and --out-dir exclude each other", clash),
+              "with --out-dir each file has its output in that folder, and its figures on stdout");
+}
+
 }  // namespace
 
 std::string version_text() {
@@ -229,6 +201,7 @@ Request parse_command_line(const std::vector<std::string>& arguments) {
       };
       read_config(*request.command, given, request.options);
     }
+    check_out_dir(*named->first, request.options);
   } catch (const CLI::CallForHelp&) {
     request.text = has_command ? active.help("flowcage") : app.help();
   } catch (const CLI::CallForVersion&) {

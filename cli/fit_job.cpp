@@ -9,8 +9,8 @@
 #include <filesystem>
 #include <set>
 
-#include "cli/output_names.hpp"
 #include "core/cage/read_cage.hpp"
+#include "core/export/file_text.hpp"
 #include "core/export/read_mesh.hpp"
 #include "core/mesh/surface_level.hpp"
 
@@ -36,8 +36,8 @@ double cage_unit_in_metres(const Options& options, const CadModel& cad) {
 bool is_block_file(const std::string& name) {
   const std::string extension = lower_extension(name);
   return std::filesystem::path(name).filename() == "blockMeshDict" || extension == ".vtu" ||
-         extension == ".msh" || extension == ".cgns" || extension == ".su2" || extension == ".foam" ||
-         std::filesystem::is_directory(name);
+         extension == ".vtm" || extension == ".msh" || extension == ".cgns" || extension == ".su2" ||
+         extension == ".foam" || std::filesystem::is_directory(name);
 }
 
 FitInputs read_fit_inputs(const Options& options, Progress& progress) {

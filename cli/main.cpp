@@ -3,11 +3,14 @@
 #include <string>
 #include <vector>
 
+#include "cli/batch.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands/commands.hpp"
 #include "cli/config_file.hpp"
 #include "cli/interruption.hpp"
+#include "cli/man_page.hpp"
 #include "cli/output_names.hpp"
+#include "cli/shell_completion.hpp"
 #include "cli/terminal.hpp"
 #include "core/base/atomic_file.hpp"
 #include "core/base/parallel.hpp"
@@ -43,11 +46,17 @@ int run(const Request& request, const Interruption& interruption) {
     case Command::surface:
       return run_surface(options, progress);
     case Command::mesh:
-      return run_mesh(options, progress);
+      return options.out_dir.empty() ? run_mesh(options, progress) : run_batch(options, progress);
     case Command::cage:
       return run_cage(options, progress);
     case Command::convert:
       return run_convert(options, progress);
+    case Command::completion:
+      print(completion_script(options.inputs.front()));
+      return 0;
+    case Command::man:
+      print(man_page());
+      return 0;
   }
   throw Error(ErrorKind::usage, "this command is not in this version", "see flowcage --help");
 }

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "core/base/error.hpp"
+#include "core/export/file_text.hpp"
+#include "core/export/write_vtm.hpp"
 
 namespace flowcage {
 namespace fs = std::filesystem;
@@ -35,10 +37,13 @@ void check_output_names(Command command, const Options& options) {
   if (!options.outer.empty()) inputs.emplace_back("--outer", options.outer);
   if (!options.config.empty()) inputs.emplace_back("--config", options.config);
   for (const std::string& name : options.outputs) outputs.emplace_back("-o", name);
-  for (const std::string& name : options.outputs) {  // a Plot3D grid has its map file beside it
+  for (const std::string& name : options.outputs) {  // what stands beside a Plot3D grid and a VTM file
     const std::string extension = lower_extension(name);
-    if (extension != ".xyz" && extension != ".p3d") continue;
-    outputs.emplace_back("the map file of -o " + name, fs::path(name).replace_extension(".nmf").string());
+    if (extension == ".xyz" || extension == ".p3d") {
+      outputs.emplace_back("the map file of -o " + name, fs::path(name).replace_extension(".nmf").string());
+    } else if (extension == ".vtm") {
+      outputs.emplace_back("the folder of -o " + name, vtm_folder(name).string());
+    }
   }
   if (!options.report.empty()) outputs.emplace_back("--report", options.report);
   if (!options.pictures.empty()) outputs.emplace_back("--pictures", options.pictures);
@@ -58,14 +63,6 @@ void check_output_names(Command command, const Options& options) {
     std::for_each_n(outputs.begin(), i, clash);
     if (command != Command::subdivide) std::for_each(inputs.begin(), inputs.end(), clash);
   }
-}
-
-std::string lower_extension(const std::string& name) {
-  std::string extension = fs::path(name).extension().string();
-  for (char& c : extension) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
-  return extension;
 }
 
 }  // namespace flowcage

@@ -10,7 +10,4 @@ namespace flowcage {
 /// Throws Error(usage).
 void check_output_names(Command command, const Options& options);
 
-/// ".obj" of "WING.OBJ".
-std::string lower_extension(const std::string& name);
-
 }  // namespace flowcage

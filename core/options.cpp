@@ -149,6 +149,24 @@ OptionSpec plane(OptionSpec row, std::optional<PlaneOption> Options::*field) {
   return row;
 }
 
+/// Three numbers, not all zero: "X,Y,Z".
+OptionSpec direction(OptionSpec row, std::array<double, 3> Options::*field) {
+  row.set = [row, field](Options& options, const std::string& value) {
+    std::array<double, 3> parsed{};
+    std::size_t begin = 0;
+    for (int d = 0; d < 3; ++d) {
+      const std::size_t end = d < 2 ? value.find(',', begin) : value.size();
+      if (end == std::string::npos) refuse(row, value, "is no three numbers");
+      parsed[d] = parse_number<double>(row, value.substr(begin, end - begin), {});
+      begin = end + 1;
+    }
+    if (std::hypot(parsed[0], parsed[1], parsed[2]) == 0) refuse(row, value, "has no direction");
+    options.*field = parsed;
+  };
+  row.show = [field](const Options& options) { return fmt::format("{}", fmt::join(options.*field, ",")); };
+  return row;
+}
+
 OptionSpec row(std::string name, std::string value_name, unsigned commands, std::string help) {
   OptionSpec r;
   r.name = std::move(name);
@@ -237,6 +255,10 @@ std::vector<OptionSpec> make_table() {
                 &Options::sample, {0, 8}),
          flag(row("unstructured", "", mesh | convert, "CGNS with one unstructured zone instead of blocks"),
               &Options::unstructured),
+         number(row("order", "N", mesh,
+                    "order of the cells: 2 to 4 are curved hexes with their wall nodes on the CAD, in .vtu, "
+                    ".msh and .cgns"),
+                &Options::order, {1, 4}),
          flag(row("limit", "", subdivide,
                   "write the limit points of the vertices instead of the control points"),
               &Options::limit)});
@@ -263,6 +285,30 @@ std::vector<OptionSpec> make_table() {
          number(in_unit(without(row("length", "L", mesh, "reference length, the chord say"), "off"),
                         "output units"),
                 &Options::length, {0, infinite, true})});
+  group(
+      "Flow case",
+      {flag(row("case", "", mesh,
+                "beside an OpenFOAM polyMesh: all that potentialFoam and simpleFoam need to start; replaces "
+                "an older case's files"),
+            &Options::flow_case),
+       number(in_unit(row("speed", "V", mesh, "of the free stream, or at the inlets"), "m/s"),
+              &Options::speed, {0, infinite, true}),
+       direction(
+           row("direction", "X,Y,Z", mesh, "of the free stream; internal flow enters normal to its inlets"),
+           &Options::direction),
+       number(in_unit(without(row("viscosity", "NU", mesh, "kinematic viscosity"),
+                              "from --reynolds and --length, else 1.5e-05 (air)"),
+                      "m2/s"),
+              &Options::viscosity, {0, infinite, true})});
+  group("Many files",
+        {text(without(row("out-dir", "DIR", mesh,
+                          "mesh each CAD file by itself into this folder; one line of JSON a file on stdout; "
+                          "files that are done and unchanged are skipped"),
+                      "off"),
+              &Options::out_dir),
+         text(row("format", "EXT", mesh, "with --out-dir: ending of the outputs; foam: a case folder each"),
+              &Options::format),
+         number(row("jobs", "N", mesh, "with --out-dir: so many files at once"), &Options::jobs, {1, 1024})});
   group(
       "Faces of the CAD",
       {texts(without(row("include", "PATTERN", fitting | cage | inspect,

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <functional>
 #include <optional>
 #include <string>
@@ -48,6 +49,15 @@ struct Options {
   std::string unit = "m";
   std::string cad_unit, cage_unit;
 
+  bool flow_case = false;
+  double speed = 1;
+  std::array<double, 3> direction{1, 0, 0};
+  std::optional<double> viscosity;
+  int order = 1;
+
+  std::string out_dir, format = "vtu";
+  int jobs = 1;
+
   std::string config, save_config, json, report, pictures;
   int threads = 0;
   Offset seed = 0;
@@ -62,7 +72,9 @@ enum class Command : unsigned {
   subdivide = 8,
   inspect = 16,
   quality = 32,
-  convert = 64
+  convert = 64,
+  completion = 128,
+  man = 256
 };
 
 /// One row of the table: the command line, the help, the JSON and docs/options.md come from it.

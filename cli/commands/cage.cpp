@@ -6,13 +6,13 @@
 #include "cli/cad_json.hpp"
 #include "cli/commands/commands.hpp"
 #include "cli/fit_job.hpp"
-#include "cli/output_names.hpp"
 #include "cli/summary.hpp"
 #include "cli/terminal.hpp"
 #include "core/auto_blocks.hpp"
 #include "core/base/atomic_file.hpp"
 #include "core/cage/read_cage.hpp"
 #include "core/cage/write_cage.hpp"
+#include "core/export/file_text.hpp"
 #include "core/export/write_vtu.hpp"
 #include "core/quality/jacobian.hpp"
 
@@ -30,7 +30,8 @@ void write_blocks(std::ostream& out, const HexComplex& complex, double scale, Pr
   BlockMesh mesh(std::make_shared<const HexComplex>(complex));
   for (Vec3& p : mesh.mutable_points()) p *= scale;
   const std::vector<float> jacobians = scaled_jacobians(mesh);
-  for (const std::string& note : write_vtu(out, mesh, {{{"scaledJacobian", jacobians, {}}}, {}}, &progress)) {
+  for (const std::string& note :
+       write_vtu(out, mesh, {{{"scaled_jacobian", jacobians, {}}}, {}}, &progress)) {
     progress.warn(note);
   }
 }

@@ -6,7 +6,9 @@
 
 #include "cli/cad_json.hpp"
 #include "cli/commands/commands.hpp"
+#include "cli/curved_job.hpp"
 #include "cli/fit_job.hpp"
+#include "cli/flow_case.hpp"
 #include "cli/mesh_outputs.hpp"
 #include "cli/report/fit_report.hpp"
 #include "cli/summary.hpp"
@@ -113,7 +115,7 @@ std::unique_ptr<BlockSource> block_source(const Options& options, const FitInput
 /// --yplus, --reynolds and --length as the first height that they ask for.
 Options with_first_height(Options options) {
   if (!options.yplus) {
-    if (!options.reynolds && !options.length) return options;
+    if ((!options.reynolds && !options.length) || options.flow_case) return options;
     throw Error(ErrorKind::usage, "--reynolds and --length belong to --yplus, which is missing",
                 "give --yplus, --reynolds and --length, or --first-height");
   }
@@ -198,6 +200,8 @@ int run_mesh(const Options& given, Progress& terminal) {
   const Options options = with_first_height(given);
   RecordedWarnings progress(terminal);
   MeshOutputs::check_formats(options.outputs);
+  check_flow_case(options);
+  check_order(options);
   check_route(options);
   const FitInputs inputs = read_fit_inputs(options, progress);
   if (inputs.drawn) check_symmetry(options, inputs.cage);
@@ -206,8 +210,15 @@ int run_mesh(const Options& given, Progress& terminal) {
   MeshOutputs outputs(options);
   const std::unique_ptr<AtomicFile> json_file = open_json(options);
   FitReport fit_report(options);
+  if (options.flow_case) {  // what no flow can start on is refused before the work
+    FoamFlow flow;
+    flow.direction = flow_direction(options);
+    foam_case_files(BlockMesh(source->blocks().complex), flow);
+  }
 
   VolumeResult result = make_volume(*source, inputs.cad, settings, progress);
+  std::optional<CurvedJob> curved;
+  if (options.order > 1) curved = make_curved(result, inputs.cad, options.order, progress);
   warn_of_first_height(options, result.layers, progress);
   const Clock::time_point write_start = Clock::now();
   const bool write = options.force || all_hold(result.gates);
@@ -217,9 +228,14 @@ int run_mesh(const Options& given, Progress& terminal) {
     const double scale = 1 / metres_per_unit(options.unit);
     for (Vec3& p : result.mesh.mutable_points()) p *= scale;
     for (double& d : result.deviation) d *= scale;
-    outputs.write(result.mesh, result.deviation, progress);
+    if (curved) {
+      for (Vec3& p : curved->mesh.nodes.mutable_points()) p *= scale;
+    }
+    if (options.flow_case) outputs.set_flow(flow_of(options, result, inputs.cad.diagonal()));
+    outputs.write(result.mesh, result.deviation, progress, curved ? &curved->mesh : nullptr);
   }
   Json json = report(options, inputs, *source, result);
+  if (curved) json["curved"] = curved_json(*curved, inputs.cad.diagonal());
   if (scene) {
     fit_report.write({.command = "mesh", .options = options, .warnings = progress.messages(), .facts = json},
                      *scene, result.gates, progress);

@@ -3,11 +3,11 @@
 #include <cmath>
 
 #include "cli/commands/commands.hpp"
-#include "cli/output_names.hpp"
 #include "core/base/atomic_file.hpp"
 #include "core/cage/level_cage.hpp"
 #include "core/cage/read_cage.hpp"
 #include "core/cage/write_cage.hpp"
+#include "core/export/file_text.hpp"
 #include "core/limit/limit_stencils.hpp"
 #include "core/subdivide/refine.hpp"
 

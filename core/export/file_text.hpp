@@ -10,6 +10,9 @@ namespace flowcage {
 /// The bytes of a whole regular file. Throws Error(input).
 std::string read_whole_file(const std::filesystem::path& file);
 
+/// ".obj" of "WING.OBJ".
+std::string lower_extension(const std::filesystem::path& file);
+
 /// The number of the line that holds byte `position`, counted from 1.
 long line_of(std::string_view text, std::size_t position);
 

@@ -298,6 +298,18 @@ class CgnsReader {
 
   // One unstructured zone.
 
+  static bool is_passed_over(ElementType_t type) { return type == NODE || type == BAR_2; }
+
+  void require_hex_or_quad(const std::string& section, ElementType_t type) const {
+    if (type == HEXA_8 || type == QUAD_4) return;
+    file_.fail(fmt::format("section {} holds elements of type {}", section, cg_ElementTypeName(type)),
+               "flowcage reads HEXA_8 and QUAD_4 only, in sections of their own or MIXED");
+  }
+
+  [[noreturn]] void section_ends(const std::string& section, Offset element, Offset count) const {
+    file_.fail(fmt::format("section {} ends in element {} of {}", section, element + 1, count), remake);
+  }
+
   void read_elements() {
     int sections = 0;
     file_.check(cg_nsections(fn_, base, 1, &sections));
@@ -309,34 +321,54 @@ class CgnsReader {
       cgsize_t first = 0, last = 0, size = 0;
       int boundary = 0, parents = 0;
       file_.check(cg_section_read(fn_, base, 1, s, name.data(), &type, &first, &last, &boundary, &parents));
-      if (type == NODE || type == BAR_2) continue;
-      if (type != HEXA_8 && type != QUAD_4) {
-        file_.fail(fmt::format("section {} holds elements of type {}", name.data(), cg_ElementTypeName(type)),
-                   "flowcage reads sections of HEXA_8 and QUAD_4 only");
-      }
-      const int nodes = type == HEXA_8 ? 8 : 4;
+      if (type != MIXED && is_passed_over(type)) continue;
+      if (type != MIXED) require_hex_or_quad(name.data(), type);
       const Offset count = Offset{last} - first + 1;
-      require_room(count, 4 * nodes, fmt::format("section {}", name.data()));
+      const int least = type == HEXA_8 ? 8 : type == QUAD_4 ? 4 : 2;  // a mixed one has a type and a node
+      require_room(count, 4 * least, fmt::format("section {}", name.data()));
       file_.check(cg_ElementDataSize(fn_, base, 1, s, &size));
-      if (size != count * nodes) {
+      require_room(size, 4, fmt::format("section {}", name.data()));
+      if (type != MIXED && size != count * least) {
         file_.fail(fmt::format("section {} has {} points for {} elements", name.data(), size, count), remake);
       }
-      std::vector<cgsize_t> points(static_cast<std::size_t>(size));
-      file_.check(cg_elements_read(fn_, base, 1, s, points.data(), nullptr));
-      for (const cgsize_t p : points) {
-        if (p >= 1 && p <= static_cast<Offset>(points_.size())) continue;
-        file_.fail(fmt::format("section {} uses point {} of {}", name.data(), p, points_.size()), remake);
+      std::vector<cgsize_t> data(static_cast<std::size_t>(size));
+      if (type == MIXED) {
+        std::vector<cgsize_t> offsets(static_cast<std::size_t>(count) + 1);
+        file_.check(cg_poly_elements_read(fn_, base, 1, s, data.data(), offsets.data(), nullptr));
+      } else {
+        file_.check(cg_elements_read(fn_, base, 1, s, data.data(), nullptr));
       }
-      const std::size_t patch = type == QUAD_4 ? patch_named(name.data()) : 0;
-      for (cgsize_t e = 0; e < count; ++e) {
-        HexPoints row{};
-        for (int n = 0; n < nodes; ++n) row[n] = static_cast<Index>(points[e * nodes + n] - 1);
-        if (type == HEXA_8) {
-          hexes_.push_back(row);
-        } else {
-          quads[first + e] = {row[0], row[1], row[2], row[3]};
-          patch_of[first + e] = patch;
+      std::size_t at = 0;
+      for (Offset e = 0; e < count; ++e) {
+        ElementType_t own = type;
+        if (type == MIXED) {
+          if (at == data.size()) section_ends(name.data(), e, count);
+          own = static_cast<ElementType_t>(data[at++]);
         }
+        int nodes = 0;
+        if (own <= ElementTypeNull || own >= NofValidElementTypes || cg_npe(own, &nodes) != CG_OK ||
+            nodes < 1 || data.size() - at < static_cast<std::size_t>(nodes)) {
+          section_ends(name.data(), e, count);
+        }
+        const std::size_t begin = at;
+        at += static_cast<std::size_t>(nodes);
+        if (is_passed_over(own)) continue;
+        require_hex_or_quad(name.data(), own);
+        HexPoints row{};
+        for (int n = 0; n < nodes; ++n) {
+          const cgsize_t p = data[begin + n];
+          if (p < 1 || p > static_cast<Offset>(points_.size())) {
+            file_.fail(fmt::format("section {} uses point {} of {}", name.data(), p, points_.size()), remake);
+          }
+          row[n] = static_cast<Index>(p - 1);
+        }
+        if (own == HEXA_8) {
+          hexes_.push_back(row);
+          continue;
+        }
+        const auto number = static_cast<cgsize_t>(first + e);
+        quads[number] = {row[0], row[1], row[2], row[3]};
+        patch_of[number] = patch_named(name.data());
       }
     }
     if (hexes_.empty()) file_.fail("holds no hexes", "give a volume mesh of hexes");

@@ -23,6 +23,10 @@ HexMesh read_polymesh(const std::filesystem::path& path);
 /// patch "boundary" (if there are other patches: "unassigned"), type wall.
 HexMesh read_vtu(const std::filesystem::path& file);
 
+/// Reads a VTK multi-block dataset as write_vtm makes it: structured blocks that number the points they share
+/// (`pointId`) and their cells (`cellId`), and a patch a PolyData piece of quads.
+HexMesh read_vtm(const std::filesystem::path& file);
+
 /// Reads a Gmsh mesh, ASCII, format 2 or 4.1: linear hexes and quads; points and lines are passed over, other
 /// elements are refused. Patches are the quads' physical groups (without one: "surfaceN" of the entity), in
 /// the order of their numbers; points come in the order of their numbers. Types of patches by
@@ -33,12 +37,12 @@ HexMesh read_gmsh(const std::filesystem::path& file);
 HexMesh read_su2(const std::filesystem::path& file);
 
 /// Reads a CGNS file with one base: structured zones, whose points become one where 1-to-1 interfaces join
-/// them, with boundary conditions as point ranges; or one unstructured zone of sections HEXA_8 and QUAD_4,
-/// with conditions at elements. Patches are the families of the conditions (without one: the condition; a
-/// quad without a condition: its section). Zones must be right-handed.
+/// them, with boundary conditions as point ranges; or one unstructured zone of HEXA_8 and QUAD_4, in
+/// sections of their own or MIXED, with conditions at elements. Patches are the families of the conditions
+/// (without one: the condition; a quad without a condition: its section). Zones must be right-handed.
 HexMesh read_cgns(const std::filesystem::path& file);
 
-/// Any of the above, by what `path` is: a folder or .foam, .vtu, .cgns, .msh or .su2.
+/// Any of the above, by what `path` is: a folder or .foam, .vtu, .vtm, .cgns, .msh or .su2 in any case.
 HexMesh read_mesh(const std::filesystem::path& path);
 
 }  // namespace flowcage

@@ -332,6 +332,31 @@ class WindowMaker {
   std::vector<BlockWindow> windows_;
 };
 
+/// A point (thickness 0) or cell (thickness 1) of a box as its coarse block counts it.
+struct PlaceInBlock {
+  Index block = no_index;
+  std::array<Index, 3> ijk{};
+};
+
+PlaceInBlock place_in_block(const BlockMesh& mesh, const StructuredBlock& box,
+                            const std::array<Index, 3>& ijk, Index thickness) {
+  std::array<Index, 3> at{}, inside{};
+  for (int d = 0; d < 3; ++d) {
+    const auto& starts = box.starts[d];
+    const auto after = std::upper_bound(starts.begin() + 1, starts.end() - 1, ijk[d]);
+    at[d] = static_cast<Index>(after - starts.begin()) - 1;
+    inside[d] = ijk[d] - starts[at[d]];
+  }
+  const BlockPlacement& p = box.blocks[at[0] + box.coarse[0] * (at[1] + box.coarse[1] * at[2])];
+  PlaceInBlock place{p.block, {}};
+  const auto dims = mesh.dims(p.block);
+  for (int d = 0; d < 3; ++d) {
+    const int own = p.axis[d];
+    place.ijk[own] = p.reversed[d] ? dims[own] - thickness - inside[d] : inside[d];
+  }
+  return place;
+}
+
 }  // namespace
 
 StructuredBlocks merge_blocks(const BlockMesh& mesh, const MergeSettings& settings) {
@@ -358,19 +383,14 @@ StructuredBlocks merge_blocks(const BlockMesh& mesh, const MergeSettings& settin
 }
 
 Index point_number(const BlockMesh& mesh, const StructuredBlock& block, const std::array<Index, 3>& ijk) {
-  std::array<Index, 3> at{}, inside{};
-  for (int d = 0; d < 3; ++d) {
-    const auto& starts = block.starts[d];
-    const auto after = std::upper_bound(starts.begin() + 1, starts.end() - 1, ijk[d]);
-    at[d] = static_cast<Index>(after - starts.begin()) - 1;
-    inside[d] = ijk[d] - starts[at[d]];
-  }
-  const BlockPlacement& p = block.blocks[at[0] + block.coarse[0] * (at[1] + block.coarse[1] * at[2])];
-  std::array<Index, 3> own{};
-  for (int d = 0; d < 3; ++d) {
-    own[p.axis[d]] = p.reversed[d] ? mesh.dims(p.block)[p.axis[d]] - inside[d] : inside[d];
-  }
-  return mesh.point_number(p.block, own[0], own[1], own[2]);
+  const PlaceInBlock at = place_in_block(mesh, block, ijk, 0);
+  return mesh.point_number(at.block, at.ijk[0], at.ijk[1], at.ijk[2]);
+}
+
+Offset cell_number(const BlockMesh& mesh, const StructuredBlock& block, const std::array<Index, 3>& ijk) {
+  const PlaceInBlock at = place_in_block(mesh, block, ijk, 1);
+  const auto dims = mesh.dims(at.block);
+  return mesh.block_begin(at.block) + at.ijk[0] + Offset{dims[0]} * (at.ijk[1] + Offset{dims[1]} * at.ijk[2]);
 }
 
 BlockMesh blocks_of_cells(const HexView& mesh) {

@@ -54,6 +54,9 @@ StructuredBlocks merge_blocks(const BlockMesh& mesh, const MergeSettings& settin
 /// The number of a structured block's point, 0 <= i <= cells()[0] and so on.
 Index point_number(const BlockMesh& mesh, const StructuredBlock& block, const std::array<Index, 3>& ijk);
 
+/// The number of a structured block's cell, 0 <= i < cells()[0] and so on.
+Offset cell_number(const BlockMesh& mesh, const StructuredBlock& block, const std::array<Index, 3>& ijk);
+
 /// The block mesh of a mesh that knows no blocks: each cell is one; points and patches stay. Throws
 /// Error(input) as build_hex_complex.
 BlockMesh blocks_of_cells(const HexView& mesh);

@@ -53,11 +53,11 @@ std::string xml_escaped(const std::string& text) {
   return escaped;
 }
 
-std::string vtk_file_header(const std::string& type) {
+std::string vtk_file_header(const std::string& type, const std::string& version) {
   return fmt::format(
-      "<?xml version=\"1.0\"?>\n<VTKFile type=\"{}\" version=\"1.0\" byte_order=\"LittleEndian\" "
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"{}\" version=\"{}\" byte_order=\"LittleEndian\" "
       "header_type=\"UInt64\">\n",
-      type);
+      type, version);
 }
 
 std::string patch_field_data(const std::vector<std::string>& names, const std::vector<int>& types) {

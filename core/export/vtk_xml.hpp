@@ -1,6 +1,7 @@
 #pragma once
 #include <functional>
 #include <ostream>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -35,11 +36,29 @@ class AppendedArrays {
   Offset next_ = 0;
 };
 
+/// The values as they are in memory.
+template <typename Value>
+AppendedArrays::Part array_part(std::span<const Value> values) {
+  return {static_cast<Offset>(values.size()), sizeof(Value),
+          [values](Offset begin, Offset end, std::string& bytes) {
+            bytes.append(reinterpret_cast<const char*>(values.data() + begin),
+                         static_cast<std::size_t>(end - begin) * sizeof(Value));
+          }};
+}
+
+/// `count` values, value(i) as type Value.
+template <typename Value, typename Function>
+AppendedArrays::Part computed_part(Offset count, Function value) {
+  return {count, sizeof(Value), [value](Offset begin, Offset end, std::string& bytes) {
+            for (Offset i = begin; i < end; ++i) append_raw(bytes, static_cast<Value>(value(i)));
+          }};
+}
+
 /// A name inside an XML attribute.
 std::string xml_escaped(const std::string& text);
 
 /// `<VTKFile type="TYPE" ...>` as AppendedArrays needs it.
-std::string vtk_file_header(const std::string& type);
+std::string vtk_file_header(const std::string& type, const std::string& version = "1.0");
 
 /// FieldData of a mesh or surface: per patch an array `patch:NAME` that holds its id (the position in
 /// `names`), and `patchTypes` if given.

@@ -6,7 +6,9 @@
 #include <map>
 
 #include "core/export/cgns_file.hpp"
+#include "core/export/curved_order.hpp"
 #include "core/export/patch_names.hpp"
+#include "core/export/write_curved.hpp"
 #include "core/mesh/visit_cells.hpp"
 
 namespace flowcage {
@@ -84,24 +86,20 @@ class CgnsWriter {
                               window.transform.data(), &number));
   }
 
-  /// A section of elements whose points read(begin, rows) gives.
-  template <std::size_t N, typename Read>
+  /// A section of elements of `nodes` points each: read(element, points) puts those of one there.
+  template <typename Read>
   void section(int zone, const std::string& name, ElementType_t type, Offset first, Offset count,
                const Read& read) {
-    int number = 0;
-    cgns_size(count * static_cast<Offset>(N));  // the library counts a section's points
+    int number = 0, nodes = 0;
+    file_.check(cg_npe(type, &nodes));
+    cgns_size(count * nodes);  // the library counts a section's points
     file_.check(cg_section_partial_write(fn_, base_, zone, name.c_str(), type, cgns_size(first),
                                          cgns_size(first + count - 1), 0, &number));
-    std::vector<std::array<Index, N>> rows;
     std::vector<cgsize_t> points;
     for (Offset begin = 0; begin < count; begin += cell_grain) {
       const Offset n = std::min(cell_grain, count - begin);
-      rows.resize(static_cast<std::size_t>(n));
-      read(begin, rows);
       points.clear();
-      for (const auto& row : rows) {
-        for (const Index p : row) points.push_back(p + 1);
-      }
+      for (Offset e = begin; e < begin + n; ++e) read(e, points);
       file_.check(cg_elements_partial_write(fn_, base_, zone, number, cgns_size(first + begin),
                                             cgns_size(first + begin + n - 1), points.data()));
     }
@@ -163,30 +161,87 @@ std::vector<std::string> write_cgns(const std::filesystem::path& file, const Blo
   return writer.finish();
 }
 
+namespace {
+
+/// One zone "mesh" of hexes and a section and condition a patch; quads(patch, q, points) and hexes(c, points)
+/// append the points of one, from 1.
+struct OneZone {
+  ElementType_t hex = HEXA_8, quad = QUAD_4;
+  Offset cells = 0;
+  std::vector<Offset> quad_counts;
+};
+
+template <typename Hexes, typename Quads>
+std::vector<std::string> write_one_zone(CgnsWriter& writer, const HexView& points, const OneZone& of,
+                                        const Hexes& hexes, const Quads& quads) {
+  const auto count = static_cast<Offset>(points.points().size());
+  const int zone = writer.zone("mesh", {cgns_size(count), cgns_size(of.cells), 0}, Unstructured);
+  writer.points(zone, count, [&](Offset p) { return points.points()[p]; });
+  writer.section(zone, "hexes", of.hex, 1, of.cells, hexes);
+  Offset first = of.cells + 1;
+  for (std::size_t i = 0; i < of.quad_counts.size(); ++i) {
+    const Offset own = of.quad_counts[i];
+    if (own == 0) continue;
+    writer.section(zone, writer.names()[i], of.quad, first, own,
+                   [&](Offset q, std::vector<cgsize_t>& out) { quads(i, q, out); });
+    writer.condition(zone, writer.names()[i], static_cast<Index>(i),
+                     {cgns_size(first), cgns_size(first + own - 1)}, true);
+    first += own;
+  }
+  return writer.finish();
+}
+
+}  // namespace
+
 std::vector<std::string> write_cgns_unstructured(const std::filesystem::path& file, const HexView& mesh,
                                                  const CgnsSettings& settings, Progress* progress) {
   if (progress) progress->step("write CGNS", 0);
   CgnsWriter writer(file, mesh, settings);
-  const auto points = static_cast<Offset>(mesh.points().size());
-  const int zone = writer.zone("mesh", {cgns_size(points), cgns_size(mesh.cell_count()), 0}, Unstructured);
-  writer.points(zone, points, [&](Offset p) { return mesh.points()[p]; });
-  writer.section<8>(zone, "hexes", HEXA_8, 1, mesh.cell_count(),
-                    [&](Offset begin, std::vector<HexPoints>& rows) { mesh.read_cells(begin, rows); });
-  Offset first = mesh.cell_count() + 1;
-  for (std::size_t i = 0; i < mesh.patches().size(); ++i) {
-    const auto& quads = mesh.patches()[i].quads;
-    if (quads.empty()) continue;
-    const auto count = static_cast<Offset>(quads.size());
-    writer.section<4>(zone, writer.names()[i], QUAD_4, first, count,
-                      [&](Offset begin, std::vector<std::array<Index, 4>>& rows) {
-                        std::copy_n(quads.begin() + begin, rows.size(), rows.begin());
-                      });
-    writer.condition(zone, writer.names()[i], static_cast<Index>(i),
-                     {cgns_size(first), cgns_size(first + count - 1)}, true);
-    first += count;
+  OneZone zone;
+  zone.cells = mesh.cell_count();
+  for (const BoundaryPatch& patch : mesh.patches()) {
+    zone.quad_counts.push_back(static_cast<Offset>(patch.quads.size()));
   }
+  const auto append = [](const auto& points, std::vector<cgsize_t>& out) {
+    for (const Index p : points) out.push_back(p + 1);
+  };
+  auto notes = write_one_zone(
+      writer, mesh, zone,
+      [&](Offset c, std::vector<cgsize_t>& out) {
+        HexPoints cell{};
+        mesh.read_cells(c, {&cell, 1});
+        append(cell, out);
+      },
+      [&](std::size_t i, Offset q, std::vector<cgsize_t>& out) { append(mesh.patches()[i].quads[q], out); });
   if (progress) progress->step("write CGNS", 1);
-  return writer.finish();
+  return notes;
+}
+
+std::vector<std::string> write_curved_cgns(const std::filesystem::path& file, const CurvedMesh& mesh,
+                                           const CgnsSettings& settings, Progress* progress) {
+  if (progress) progress->step("write CGNS", 0);
+  constexpr std::array<ElementType_t, 5> hex_type{ElementTypeNull, HEXA_8, HEXA_27, HEXA_64, HEXA_125};
+  constexpr std::array<ElementType_t, 5> quad_type{ElementTypeNull, QUAD_4, QUAD_9, QUAD_16, QUAD_25};
+  const CurvedOrder order = cgns_order(mesh.order);
+  CgnsWriter writer(file, mesh.nodes, settings);
+  OneZone zone{hex_type[mesh.order], quad_type[mesh.order], mesh.cell_count(), {}};
+  std::vector<std::vector<Index>> quads;
+  for (std::size_t i = 0; i < mesh.nodes.patches().size(); ++i) {
+    quads.push_back(mesh.patch_quads(i));
+    zone.quad_counts.push_back(static_cast<Offset>(quads.back().size()) / mesh.nodes_per_quad());
+  }
+  std::vector<Index> nodes(static_cast<std::size_t>(mesh.nodes_per_cell()));
+  auto notes = write_one_zone(
+      writer, mesh.nodes, zone,
+      [&](Offset c, std::vector<cgsize_t>& out) {
+        mesh.read_cell(c, nodes);
+        for (const int at : order.hex) out.push_back(nodes[at] + 1);
+      },
+      [&](std::size_t i, Offset q, std::vector<cgsize_t>& out) {
+        for (const int at : order.quad) out.push_back(quads[i][q * mesh.nodes_per_quad() + at] + 1);
+      });
+  if (progress) progress->step("write CGNS", 1);
+  return notes;
 }
 
 }  // namespace flowcage

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include "core/export/curved_order.hpp"
 #include "core/export/patch_names.hpp"
+#include "core/export/write_curved.hpp"
 #include "core/export/write_text.hpp"
 #include "core/mesh/visit_cells.hpp"
 
@@ -82,6 +84,43 @@ class GmshWriter {
     out_ << "$EndNodes\n";
   }
 
+  /// `mesh` is this writer's mesh seen as curved cells.
+  void curved_elements(const CurvedMesh& mesh) {
+    constexpr std::array<int, 5> quad_type{0, 3, 10, 36, 37}, hex_type{0, 5, 12, 92, 93};
+    const CurvedOrder order = gmsh_order(mesh.order);
+    const Offset per_quad = mesh.nodes_per_quad();
+    const Offset quads = quads_ / (mesh.order * mesh.order), count = quads + mesh.cell_count();
+    out_ << fmt::format("$Elements\n{} {} 1 {}\n", patches_.size() + 1, count, count);
+    const auto row = [this](std::string& text, Offset tag, const Index* nodes,
+                            const std::vector<int>& places) {
+      append_number(text, tag);
+      for (const int at : places) {
+        text += ' ';
+        append_number(text, node_[nodes[at]] + 1);
+      }
+      text += '\n';
+    };
+    Offset next = 1;
+    for (std::size_t i = 0; i < patches_.size(); ++i) {
+      const std::vector<Index> nodes = mesh.patch_quads(i);
+      const Offset own = static_cast<Offset>(nodes.size()) / per_quad;
+      out_ << fmt::format("{} {} {} {}\n", surface_dimension, i + 1, quad_type[mesh.order], own);
+      write_ranges(out_, own, text_grain, [&](Offset begin, Offset end, std::string& text) {
+        for (Offset q = begin; q < end; ++q) row(text, next + q, &nodes[q * per_quad], order.quad);
+      });
+      next += own;
+    }
+    out_ << fmt::format("{} 1 {} {}\n", volume_dimension, hex_type[mesh.order], mesh.cell_count());
+    write_ranges(out_, mesh.cell_count(), cell_grain, [&](Offset begin, Offset end, std::string& text) {
+      std::vector<Index> nodes(static_cast<std::size_t>(mesh.nodes_per_cell()));
+      for (Offset c = begin; c < end; ++c) {
+        mesh.read_cell(c, nodes);
+        row(text, next + c, nodes.data(), order.hex);
+      }
+    });
+    out_ << "$EndElements\n";
+  }
+
   void elements() {
     const Offset count = quads_ + mesh_.cell_count();
     out_ << fmt::format("$Elements\n{} {} 1 {}\n", patches_.size() + 1, count, count);
@@ -134,6 +173,17 @@ std::vector<std::string> write_gmsh(std::ostream& out, const HexView& mesh, Prog
   writer.groups_and_entities(legal.names);
   writer.nodes();
   writer.elements();
+  if (progress) progress->step("write Gmsh mesh", 1);
+  return std::move(legal.notes);
+}
+
+std::vector<std::string> write_curved_gmsh(std::ostream& out, const CurvedMesh& mesh, Progress* progress) {
+  if (progress) progress->step("write Gmsh mesh", 0);
+  PatchNames legal = legal_patch_names(mesh.nodes);
+  GmshWriter writer(out, mesh.nodes);
+  writer.groups_and_entities(legal.names);
+  writer.nodes();
+  writer.curved_elements(mesh);
   if (progress) progress->step("write Gmsh mesh", 1);
   return std::move(legal.notes);
 }

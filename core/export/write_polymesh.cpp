@@ -65,6 +65,21 @@ bool is_flat(const HexView& mesh, const BoundaryPatch& patch) {
                      [&](const auto& quad) { return (normal_of(quad) - mean).squaredNorm() <= 1e-15; });
 }
 
+std::string physical_type(PatchType type) {
+  switch (type) {
+    case PatchType::farfield:
+      return "farfield";
+    case PatchType::inlet:
+      return "inlet";
+    case PatchType::outlet:
+      return "outlet";
+    case PatchType::wall:
+    case PatchType::symmetry:
+      break;
+  }
+  return {};
+}
+
 class PolyMeshWriter {
  public:
   PolyMeshWriter(AtomicFolder& folder, const HexView& mesh, const HexAdjacency& adjacency,
@@ -173,24 +188,7 @@ class PolyMeshWriter {
     Offset start = adjacency_.internal_faces;
     for (std::size_t i = 0; i < names.size(); ++i) {
       const BoundaryPatch& patch = mesh_.patches()[i];
-      std::string type = "patch", physical;
-      switch (patch.type) {
-        case PatchType::wall:
-          type = "wall";
-          break;
-        case PatchType::symmetry:
-          type = is_flat(mesh_, patch) ? "symmetryPlane" : "symmetry";
-          break;
-        case PatchType::farfield:
-          physical = "farfield";
-          break;
-        case PatchType::inlet:
-          physical = "inlet";
-          break;
-        case PatchType::outlet:
-          physical = "outlet";
-          break;
-      }
+      const std::string type = foam_patch_type(mesh_, patch), physical = physical_type(patch.type);
       if (type == "symmetry") {
         notes.push_back(
             fmt::format("patch \"{}\" is not flat: written as symmetry, not as symmetryPlane", names[i]));
@@ -268,6 +266,16 @@ class PolyMeshWriter {
 
 }  // namespace
 
+std::string foam_header(const std::string& kind, const std::string& location, const std::string& object) {
+  return header({kind.c_str(), location.c_str(), object.c_str()}, false);
+}
+
+std::string foam_patch_type(const HexView& mesh, const BoundaryPatch& patch) {
+  if (patch.type == PatchType::wall) return "wall";
+  if (patch.type == PatchType::symmetry) return is_flat(mesh, patch) ? "symmetryPlane" : "symmetry";
+  return "patch";
+}
+
 std::vector<std::string> polymesh_entries() {
   return {"points",    "faces",      "owner",    "neighbour",    "boundary",   "cellZones",
           "faceZones", "pointZones", "sets",     "level0Edge",   "cellLevel",  "pointLevel",
@@ -312,7 +320,7 @@ void write_case_files(const std::filesystem::path& case_folder, const std::strin
                 "choose another place with -o");
   }
   const auto dictionary = [&](const char* name, const std::string& body) {
-    write_missing(system / name, header({"dictionary", "system", name}, false) + body);
+    write_missing(system / name, foam_header("dictionary", "system", name) + body);
   };
   dictionary("controlDict",
              "application     potentialFoam;\nstartFrom       startTime;\nstartTime       0;\n"

@@ -26,6 +26,12 @@ std::vector<std::string> write_polymesh(AtomicFolder& folder, const HexView& mes
                                         const HexAdjacency& adjacency, const PolyMeshSettings& settings = {},
                                         Progress* progress = nullptr);
 
+/// OpenFOAM's type of a patch, as above.
+std::string foam_patch_type(const HexView& mesh, const BoundaryPatch& patch);
+
+/// The head of an ASCII file of OpenFOAM ("dictionary", "system", "controlDict").
+std::string foam_header(const std::string& kind, const std::string& location, const std::string& object);
+
 /// What write_polymesh replaces of an older polyMesh folder: its own files and those that would refer to the
 /// older mesh. For AtomicFolder's `replaced`.
 std::vector<std::string> polymesh_entries();

@@ -11,14 +11,6 @@
 namespace flowcage {
 namespace {
 
-AppendedArrays::Part raw_part(const void* data, std::size_t count, std::size_t bytes) {
-  return {static_cast<Offset>(count), static_cast<Offset>(bytes),
-          [data, bytes](Offset begin, Offset end, std::string& text) {
-            text.append(static_cast<const char*>(data) + begin * static_cast<Offset>(bytes),
-                        static_cast<std::size_t>(end - begin) * bytes);
-          }};
-}
-
 void append_triangle(std::string& bytes, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 normal = (b - a).cross(c - a).normalized();
   for (const Vec3* v : {&normal, &a, &b, &c}) {
@@ -47,21 +39,17 @@ std::vector<std::string> write_vtp(std::ostream& out, const Cage& surface,
                               surface.points.size()),
                   "report this to the authors of flowcage");
     }
-    xml += arrays.declare("Float32", field.name, 1,
-                          {raw_part(field.values.data(), field.values.size(), sizeof(float))});
+    xml += arrays.declare("Float32", field.name, 1, {array_part(field.values)});
   }
   xml += "</PointData>\n<CellData>\n";
-  xml += arrays.declare("Int32", "patchId", 1,
-                        {raw_part(surface.face_patch.data(), surface.face_patch.size(), sizeof(Index))});
-  xml += "</CellData>\n<Points>\n" +
-         arrays.declare("Float64", "Points", 3,
-                        {raw_part(surface.points.data(), surface.points.size(), sizeof(Vec3))}) +
-         "</Points>\n<Polys>\n" +
-         arrays.declare("Int32", "connectivity", 1,
-                        {raw_part(faces.values.data(), faces.values.size(), sizeof(Index))}) +
-         arrays.declare("Int64", "offsets", 1,
-                        {raw_part(faces.offsets.data() + 1, faces.offsets.size() - 1, sizeof(Offset))}) +
-         "</Polys>\n</Piece>\n</PolyData>\n";
+  xml += arrays.declare("Int32", "patchId", 1, {array_part(std::span<const Index>(surface.face_patch))});
+  xml +=
+      "</CellData>\n<Points>\n" +
+      arrays.declare("Float64", "Points", 3, {array_part(std::span<const Vec3>(surface.points))}) +
+      "</Points>\n<Polys>\n" +
+      arrays.declare("Int32", "connectivity", 1, {array_part(std::span<const Index>(faces.values))}) +
+      arrays.declare("Int64", "offsets", 1, {array_part(std::span<const Offset>(faces.offsets).subspan(1))}) +
+      "</Polys>\n</Piece>\n</PolyData>\n";
   out << xml;
   arrays.write(out);
   out << "</VTKFile>\n";

@@ -15,23 +15,6 @@ namespace {
 using Part = AppendedArrays::Part;
 constexpr std::uint8_t vtk_quad = 9, vtk_hexahedron = 12;
 
-template <typename Value>
-Part part_of(std::span<const Value> values) {
-  return {static_cast<Offset>(values.size()), sizeof(Value),
-          [values](Offset begin, Offset end, std::string& bytes) {
-            bytes.append(reinterpret_cast<const char*>(values.data() + begin),
-                         static_cast<std::size_t>(end - begin) * sizeof(Value));
-          }};
-}
-
-// `count` values, value(i) of type Value.
-template <typename Value, typename Function>
-Part part_from(Offset count, Function value) {
-  return {count, sizeof(Value), [value](Offset begin, Offset end, std::string& bytes) {
-            for (Offset i = begin; i < end; ++i) append_raw(bytes, static_cast<Value>(value(i)));
-          }};
-}
-
 void require_size(const std::string& name, std::size_t size, std::size_t wanted) {
   if (size == wanted) return;
   throw Error(ErrorKind::internal, fmt::format("field {} has {} values for {} places", name, size, wanted),
@@ -45,6 +28,7 @@ class VtuWriter {
   }
 
   std::vector<std::string> write(std::ostream& out) {
+    check_field_sizes(fields_, mesh_, quads_);
     std::vector<int> types;
     for (const BoundaryPatch& patch : mesh_.patches()) types.push_back(static_cast<int>(patch.type));
     auto [names, notes] = legal_patch_names(mesh_);
@@ -55,14 +39,13 @@ class VtuWriter {
     AppendedArrays arrays;
     xml += "<PointData>\n";
     for (const VtkPointField& field : fields_.point_fields) {
-      require_size(field.name, field.values.size(), mesh_.points().size());
-      xml += arrays.declare("Float32", field.name, 1, {part_of(field.values)});
+      xml += arrays.declare("Float32", field.name, 1, {array_part(field.values)});
     }
     xml += "</PointData>\n<CellData>\n" + arrays.declare("Int32", "patchId", 1, patch_ids());
     for (const VtuCellField& field : fields_.cell_fields) {
       xml += arrays.declare("Float32", field.name, 1, cell_field(field));
     }
-    xml += "</CellData>\n<Points>\n" + arrays.declare("Float64", "Points", 3, {part_of(mesh_.points())}) +
+    xml += "</CellData>\n<Points>\n" + arrays.declare("Float64", "Points", 3, {array_part(mesh_.points())}) +
            "</Points>\n<Cells>\n" + arrays.declare("Int32", "connectivity", 1, connectivity()) +
            cell_ends(arrays) + arrays.declare("UInt8", "types", 1, types_of_cells()) +
            "</Cells>\n</Piece>\n</UnstructuredGrid>\n";
@@ -79,7 +62,7 @@ class VtuWriter {
         {mesh_.cell_count(), sizeof(HexPoints), [this](Offset begin, Offset end, std::string& bytes) {
            visit_cells(mesh_, begin, end, [&](Offset, const HexPoints& cell) { append_raw(bytes, cell); });
          }});
-    for (const BoundaryPatch& patch : mesh_.patches()) parts.push_back(part_of(std::span(patch.quads)));
+    for (const BoundaryPatch& patch : mesh_.patches()) parts.push_back(array_part(std::span(patch.quads)));
     return parts;
   }
 
@@ -91,23 +74,23 @@ class VtuWriter {
     if (8 * cells + 4 * quads_ <= std::numeric_limits<std::int32_t>::max()) {
       return arrays.declare(
           "Int32", "offsets", 1,
-          {part_from<std::int32_t>(cells, end_of_hex), part_from<std::int32_t>(quads_, end_of_quad)});
+          {computed_part<std::int32_t>(cells, end_of_hex), computed_part<std::int32_t>(quads_, end_of_quad)});
     }
     return arrays.declare(
         "Int64", "offsets", 1,
-        {part_from<std::int64_t>(cells, end_of_hex), part_from<std::int64_t>(quads_, end_of_quad)});
+        {computed_part<std::int64_t>(cells, end_of_hex), computed_part<std::int64_t>(quads_, end_of_quad)});
   }
 
   std::vector<Part> types_of_cells() const {
-    return {part_from<std::uint8_t>(mesh_.cell_count(), [](Offset) { return vtk_hexahedron; }),
-            part_from<std::uint8_t>(quads_, [](Offset) { return vtk_quad; })};
+    return {computed_part<std::uint8_t>(mesh_.cell_count(), [](Offset) { return vtk_hexahedron; }),
+            computed_part<std::uint8_t>(quads_, [](Offset) { return vtk_quad; })};
   }
 
   std::vector<Part> patch_ids() const {
-    std::vector<Part> parts{part_from<Index>(mesh_.cell_count(), [](Offset) { return no_index; })};
+    std::vector<Part> parts{computed_part<Index>(mesh_.cell_count(), [](Offset) { return no_index; })};
     for (std::size_t i = 0; i < mesh_.patches().size(); ++i) {
-      parts.push_back(part_from<Index>(static_cast<Offset>(mesh_.patches()[i].quads.size()),
-                                       [i](Offset) { return static_cast<Index>(i); }));
+      parts.push_back(computed_part<Index>(static_cast<Offset>(mesh_.patches()[i].quads.size()),
+                                           [i](Offset) { return static_cast<Index>(i); }));
     }
     return parts;
   }
@@ -116,24 +99,21 @@ class VtuWriter {
     const auto none = [](Offset) { return std::numeric_limits<float>::quiet_NaN(); };
     std::vector<Part> parts;
     if (field.cells.empty()) {
-      parts.push_back(part_from<float>(mesh_.cell_count(), none));
+      parts.push_back(computed_part<float>(mesh_.cell_count(), none));
     } else {
-      require_size(field.name, field.cells.size(), static_cast<std::size_t>(mesh_.cell_count()));
-      parts.push_back(part_of(field.cells));
+      parts.push_back(array_part(field.cells));
     }
     if (!field.boundary.empty()) {
-      require_size(field.name, field.boundary.size(), static_cast<std::size_t>(quads_));
-      parts.push_back(part_of(field.boundary));
+      parts.push_back(array_part(field.boundary));
       return parts;
     }
     for (const BoundaryPatch& patch : mesh_.patches()) {
       const auto count = static_cast<Offset>(patch.quads.size());
       if (field.cells.empty()) {
-        parts.push_back(part_from<float>(count, none));
+        parts.push_back(computed_part<float>(count, none));
       } else {
-        require_size("owner of patch " + patch.name, patch.owner.size(), patch.quads.size());
         parts.push_back(
-            part_from<float>(count, [&patch, &field](Offset q) { return field.cells[patch.owner[q]]; }));
+            computed_part<float>(count, [&patch, &field](Offset q) { return field.cells[patch.owner[q]]; }));
       }
     }
     return parts;
@@ -145,6 +125,24 @@ class VtuWriter {
 };
 
 }  // namespace
+
+void check_field_sizes(const VtuFields& fields, const HexView& mesh, Offset quads) {
+  for (const VtkPointField& field : fields.point_fields) {
+    require_size(field.name, field.values.size(), mesh.points().size());
+  }
+  for (const VtuCellField& field : fields.cell_fields) {
+    if (!field.cells.empty()) {
+      require_size(field.name, field.cells.size(), static_cast<std::size_t>(mesh.cell_count()));
+    }
+    if (!field.boundary.empty()) {
+      require_size(field.name, field.boundary.size(), static_cast<std::size_t>(quads));
+      continue;
+    }
+    for (const BoundaryPatch& patch : mesh.patches()) {  // a quad takes its owner's value
+      require_size("owner of patch " + patch.name, patch.owner.size(), patch.quads.size());
+    }
+  }
+}
 
 std::vector<std::string> write_vtu(std::ostream& out, const HexView& mesh, const VtuFields& fields,
                                    Progress* progress) {

@@ -28,6 +28,9 @@ struct VtuFields {
   std::vector<VtkPointField> point_fields;
 };
 
+/// Throws Error(internal) where a field has not the sizes above; `quads`: of the whole boundary.
+void check_field_sizes(const VtuFields& fields, const HexView& mesh, Offset quads);
+
 /// Writes a VTK unstructured grid: the hexes, then the boundary quads (outward) patch by patch. Int32 cell
 /// array `patchId`: -1 for hexes, else the patch's position. FieldData: one integer `patch:NAME` per patch,
 /// its id, and `patchTypes`, the PatchType of each. Numbers are appended raw binary; points are doubles.

@@ -38,6 +38,8 @@ TEST_CASE("option table: each row sets what it shows") {
                               : row.name == "blocks"                       ? "shell"
                               : row.name == "flow"                         ? "external"
                               : row.name == "tolerance"                    ? "0.5"
+                              : row.name == "direction"                    ? "0.5,-1,0"
+                              : row.name == "order"                        ? "3"
                                                                            : "7";
     row.set(options, value);
     CHECK(row.show(options) == value);
@@ -47,6 +49,10 @@ TEST_CASE("option table: each row sets what it shows") {
   CHECK_THROWS_AS(named("tolerance").set(options, "inf"), Error);
   CHECK_THROWS_AS(named("symmetry").set(options, "x="), Error);
   CHECK_THROWS_AS(named("symmetry").set(options, "x=nan"), Error);
+  CHECK_THROWS_AS(named("direction").set(options, "1,0"), Error);
+  CHECK_THROWS_AS(named("direction").set(options, "0,0,0"), Error);
+  CHECK_THROWS_AS(named("direction").set(options, "1,0,0,0"), Error);
+  CHECK_THROWS_AS(named("order").set(options, "5"), Error);
   CHECK_THROWS_AS(named("cage-unit").set(options, ""), Error);
 }
 

@@ -3,6 +3,7 @@
 #include <map>
 #include <sstream>
 
+#include "core/export/cgns_file.hpp"
 #include "core/export/read_mesh.hpp"
 #include "core/export/write_cgns.hpp"
 #include "core/export/write_gmsh.hpp"
@@ -186,6 +187,58 @@ TEST_CASE("cgnscheck has nothing to say of the CGNS files, and they read back as
       }
     }
   }
+}
+
+TEST_CASE("MIXED sections of CGNS are read; what is no hex or quad in them is refused") {
+  const HexMesh mesh = perturbed_box({3, 2, 2}, 0.04);
+  std::vector<HexPoints> cells(static_cast<std::size_t>(mesh.cell_count()));
+  mesh.read_cells(0, cells);
+  const auto write = [&](const fs::path& path, ElementType_t first_type) {
+    std::vector<cgsize_t> data, offsets{0};
+    const auto put = [&](ElementType_t type, const auto& points) {
+      data.push_back(type);
+      for (const Index p : points) data.push_back(p + 1);
+      offsets.push_back(static_cast<cgsize_t>(data.size()));
+    };
+    put(first_type, std::vector<Index>(cells[0].begin(), cells[0].begin() + (first_type == TETRA_4 ? 4 : 2)));
+    for (const HexPoints& cell : cells) put(HEXA_8, cell);
+    for (const BoundaryPatch& patch : mesh.patches()) {
+      for (const auto& quad : patch.quads) put(QUAD_4, quad);
+    }
+    CgnsFile file(path, CgnsFile::Use::write, "test");
+    const int fn = file.number();
+    int base = 0, zone = 0, number = 0;
+    file.check(cg_base_write(fn, "base", 3, 3, &base));
+    const auto points = static_cast<cgsize_t>(mesh.points().size());
+    const std::array<cgsize_t, 3> size{points, static_cast<cgsize_t>(cells.size()), 0};
+    file.check(cg_zone_write(fn, base, "zone", size.data(), Unstructured, &zone));
+    int d = 0;
+    for (const char* name : {"CoordinateX", "CoordinateY", "CoordinateZ"}) {
+      std::vector<double> values;
+      for (const Vec3& p : mesh.points()) values.push_back(p[d]);
+      file.check(cg_coord_write(fn, base, zone, RealDouble, name, values.data(), &number));
+      ++d;
+    }
+    file.check(cg_poly_section_write(fn, base, zone, "all", MIXED, 1,
+                                     static_cast<cgsize_t>(offsets.size()) - 1, 0, data.data(),
+                                     offsets.data(), &number));
+    // Conditions name quads by their numbers in the section, behind the line and the hexes.
+    auto next = static_cast<cgsize_t>(2 + cells.size());
+    for (const BoundaryPatch& patch : mesh.patches()) {
+      const std::array<cgsize_t, 2> range{next, next + static_cast<cgsize_t>(patch.quads.size()) - 1};
+      std::string name = patch.name;
+      std::replace(name.begin(), name.end(), ' ', '_');
+      file.check(cg_boco_write(fn, base, zone, name.c_str(), BCWall, PointRange, 2, range.data(), &number));
+      file.check(cg_boco_gridlocation_write(fn, base, zone, number, FaceCenter));
+      next = range[1] + 1;
+    }
+    file.close();
+  };
+  const ScratchFolder folder;
+  write(folder.path() / "mixed.cgns", BAR_2);
+  check_same_mesh(read_mesh(folder.path() / "mixed.cgns"), mesh);
+  write(folder.path() / "tetra.cgns", TETRA_4);
+  CHECK_THROWS_WITH(read_mesh(folder.path() / "tetra.cgns"), contains_text("of type TETRA_4"));
 }
 
 TEST_CASE("plot3dToFoam reads the Plot3D grid; its neutral map covers every outer face once") {

@@ -18,9 +18,74 @@ def hex_volume(p):
     return total
 
 
+def print_multiblock(path, numpy_of):
+    """Of a .vtm: its groups' pieces by name, the hexes' volume, and fields."""
+    source = vtk.vtkXMLMultiBlockDataReader()
+    errors = []
+    source.AddObserver("ErrorEvent", lambda *a: errors.append(a))
+    source.SetFileName(path)
+    source.Update()
+    data = source.GetOutput()
+    if errors or data.GetNumberOfBlocks() != 2:
+        sys.exit("VTK reports an error")
+    points, hexes, volume, jacobians = set(), 0, 0.0, []
+    for group in range(2):
+        pieces = data.GetBlock(group)
+        print("group:" + data.GetMetaData(group).Get(vtk.vtkCompositeDataSet.NAME()), pieces.GetNumberOfBlocks())
+        for i in range(pieces.GetNumberOfBlocks()):
+            piece = pieces.GetBlock(i)
+            name = pieces.GetMetaData(i).Get(vtk.vtkCompositeDataSet.NAME())
+            ids = numpy_of(piece.GetPointData().GetGlobalIds())
+            points.update(ids.tolist())
+            if group == 1:
+                print("faces:" + name, piece.GetNumberOfPolys())
+                print("patch:" + name, int(numpy_of(piece.GetCellData().GetArray("patchId"))[0]))
+                continue
+            hexes += piece.GetNumberOfCells()
+            grid = vtk.vtkAppendFilter()  # hexes with their corners
+            grid.SetInputData(piece)
+            grid.Update()
+            cells = grid.GetOutput()
+            corners = numpy_of(cells.GetCells().GetConnectivityArray()).reshape(-1, 8)
+            volume += float(hex_volume(numpy_of(cells.GetPoints().GetData())[corners]).sum())
+            jacobians.append(numpy_of(piece.GetCellData().GetArray("scaled_jacobian")).min())
+    print("points", len(points))
+    print("hexes", hexes)
+    print("volume", repr(volume))
+    print("jacobian_min", repr(float(min(jacobians))))
+
+
+def print_cgns(path, numpy_of):
+    """Of a CGNS file: cells and volume of its zones. VTK names patches by their conditions, not their families."""
+    source = vtk.vtkCGNSReader()
+    source.SetFileName(path)
+    source.UpdateInformation()
+    source.EnableAllBases()
+    source.Update()
+    zones = vtk.vtkAppendFilter()
+    walker = source.GetOutput().NewIterator()
+    while not walker.IsDoneWithTraversal():
+        zones.AddInputData(walker.GetCurrentDataObject())
+        walker.GoToNextItem()
+    zones.Update()
+    cells = zones.GetOutput()
+    types = numpy_of(cells.GetCellTypesArray())
+    if not (types == 12).all():
+        sys.exit("VTK reads cells that are no hexes")
+    corners = numpy_of(cells.GetCells().GetConnectivityArray()).reshape(-1, 8)
+    print("hexes", len(corners))
+    print("volume", repr(float(hex_volume(numpy_of(cells.GetPoints().GetData()).astype("f8")[corners]).sum())))
+
+
 if reader == "vtk":
     import vtk
     from vtk.util.numpy_support import vtk_to_numpy as numpy_of
+    if path.endswith(".cgns"):
+        print_cgns(path, numpy_of)
+        sys.exit()
+    if path.endswith(".vtm"):
+        print_multiblock(path, numpy_of)
+        sys.exit()
     source = vtk.vtkXMLPolyDataReader() if path.endswith(".vtp") else vtk.vtkXMLUnstructuredGridReader()
     errors = []
     source.AddObserver("ErrorEvent", lambda *a: errors.append(a))
@@ -78,6 +143,14 @@ else:
               len(block.data))
         if block.type == "hexahedron":
             print("volume", repr(float(hex_volume(mesh.points[block.data]).sum())))
+    # Gmsh: physical groups by name and number; SU2: meshio counts the markers in their order.
+    for tags, dimension in (("gmsh:physical", 2), ("su2:tag", None)):
+        for ids, block in zip(mesh.cell_data.get(tags, []), mesh.cells):
+            if block.type != "quad":
+                continue
+            names = {int(v[0]): name for name, v in mesh.field_data.items() if dimension in (None, int(v[1]))}
+            for tag in sorted(set(ids.tolist())):
+                print("faces:" + names.get(tag, "number%d" % tag), int((ids == tag).sum()))
     if "patchId" in mesh.cell_data:
         for name, value in mesh.field_data.items():
             if name.startswith("patch:"):

@@ -1,10 +1,13 @@
 // What VTK, meshio and gmsh read from the files written.
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <map>
 #include <sstream>
 
+#include "core/export/read_mesh.hpp"
 #include "core/export/write_surface.hpp"
+#include "core/export/write_vtm.hpp"
 #include "core/export/write_vtu.hpp"
 #include "core/mesh/hex_adjacency.hpp"
 #include "core/quality/jacobian.hpp"
@@ -100,6 +103,108 @@ TEST_CASE("VTK and meshio read the VTU written, with its patches and fields") {
       CHECK(values.at("scaled_jacobian_min") == Approx(report.scaled_jacobian.min).epsilon(1e-12));
       CHECK(values.at("scaled_jacobian_mean") == Approx(report.scaled_jacobian.mean).epsilon(1e-12));
     }
+  }
+}
+
+TEST_CASE("VTK reads the VTM written, block by block, and it reads back as it was") {
+  const bool have_vtk = have_python_module("vtk");
+  for (const bool half : {false, true}) {
+    CAPTURE(half);
+    const HexMesh mesh = half ? sphere_shell(8, 6, 4, true) : shuffled(sphere_shell(6, 5, 4), 11);
+    const ScratchFolder folder;
+    const auto file = folder.path() / "a & b.vtm";
+    const BlockMesh blocks = blocks_of_cells(mesh);
+    const StructuredBlocks merged = merge_blocks(blocks);
+    const std::vector<float> jacobians = scaled_jacobians(mesh);
+    std::vector<float> on_points(mesh.points().size(), 0.5F);
+    {
+      AtomicFolder pieces(vtm_folder(file), "", vtm_entries(vtm_folder(file)));
+      std::ofstream out(file, std::ios::binary);
+      write_vtm(out, pieces, "a & b_vtm", blocks, merged,
+                {{{"scaled_jacobian", jacobians, {}}}, {{"distance", on_points}}});
+      pieces.commit();
+    }
+    const HexMesh read = read_mesh(file);
+    REQUIRE(read.cell_count() == mesh.cell_count());
+    CHECK(std::ranges::equal(read.points(), mesh.points()));
+    const auto sorted_cells = [](const HexMesh& m) {  // turned cells are the same cells
+      std::vector<HexPoints> cells(static_cast<std::size_t>(m.cell_count()));
+      m.read_cells(0, cells);
+      for (HexPoints& cell : cells) std::ranges::sort(cell);
+      return cells;
+    };
+    CHECK(sorted_cells(read) == sorted_cells(mesh));
+    CHECK(scaled_jacobians(read).size() == jacobians.size());
+    REQUIRE(read.patches().size() == mesh.patches().size());
+    for (std::size_t i = 0; i < mesh.patches().size(); ++i) {
+      CHECK(read.patches()[i].name == mesh.patches()[i].name);
+      CHECK(read.patches()[i].type == mesh.patches()[i].type);
+      CHECK(read.patches()[i].quads.size() == mesh.patches()[i].quads.size());
+    }
+    if (!have_vtk) continue;
+    auto values = read_with("vtk", file);
+    CHECK(values.at("group:blocks") == static_cast<double>(merged.blocks.size()));
+    CHECK(values.at("group:patches") == static_cast<double>(mesh.patches().size()));
+    CHECK(values.at("points") == static_cast<double>(mesh.points().size()));
+    CHECK(values.at("hexes") == static_cast<double>(mesh.cell_count()));
+    CHECK(values.at("volume") == Approx(enclosed_volume(mesh)).epsilon(1e-12));
+    CHECK(values.at("jacobian_min") == Approx(*std::ranges::min_element(jacobians)).epsilon(1e-6));
+    for (std::size_t i = 0; i < mesh.patches().size(); ++i) {
+      const BoundaryPatch& patch = mesh.patches()[i];
+      CHECK(values.at("faces:" + patch.name) == static_cast<double>(patch.quads.size()));
+      CHECK(values.at("patch:" + patch.name) == static_cast<double>(i));
+    }
+  }
+}
+
+TEST_CASE("Damaged VTM files are refused by name") {
+  const HexMesh mesh = box_mesh({2, 2, 2});
+  const ScratchFolder folder;
+  const auto file = folder.path() / "a.vtm", pieces_folder = vtm_folder(file);
+  const BlockMesh blocks = blocks_of_cells(mesh);
+  {
+    AtomicFolder pieces(pieces_folder, "", {});
+    std::ofstream out(file, std::ios::binary);
+    write_vtm(out, pieces, "a_vtm", blocks, merge_blocks(blocks));
+    pieces.commit();
+  }
+  REQUIRE(read_mesh(file).cell_count() == 8);
+  const std::string index = read_text(file), block = read_text(pieces_folder / "block1.vts");
+  const auto refused = [&](const std::string& why) {
+    CAPTURE(why);
+    try {
+      read_mesh(file);
+      FAIL("was read");
+    } catch (const Error& e) {
+      CAPTURE(e.what());
+      CHECK(e.kind() == ErrorKind::input);
+      CHECK(std::string(e.what()).find(why) != std::string::npos);
+      CHECK_FALSE(e.remedy().empty());
+    }
+  };
+  const auto with = [&](const std::string& text, const std::string& old, const std::string& changed) {
+    std::string copy = text;
+    REQUIRE(copy.find(old) != std::string::npos);
+    return copy.replace(copy.find(old), old.size(), changed);
+  };
+  const auto put = [](const std::filesystem::path& to, const std::string& text) {
+    std::ofstream(to, std::ios::binary) << text;
+  };
+  put(file, with(index, "a_vtm/block1", "../a_vtm/block1"));
+  refused("outside of its folder");
+  put(file, with(index, "a_vtm/block1.vts", "a_vtm/block1.vtu"));
+  refused("no .vts or .vtp");
+  put(file, index.substr(0, index.size() / 2));
+  refused("a.vtm");
+  put(file, index);
+  put(pieces_folder / "block1.vts", with(block, "\"pointId\" format", "\"other\" format"));
+  refused("pointId is missing");
+  put(pieces_folder / "block1.vts",
+      with(block, "Extent=\"0 2 0 2 0 2\">\n<Point", "Extent=\"0 9 0 2 0 2\">\n<Point"));
+  refused("does not fit");
+  for (const std::size_t length : {std::size_t{0}, std::size_t{300}, block.size() / 2}) {
+    put(pieces_folder / "block1.vts", block.substr(0, length));
+    refused("block1.vts");
   }
 }
 
