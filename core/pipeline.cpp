@@ -187,7 +187,8 @@ ShapedMesh shaped_blocks(const BlockSource& source, const VolumeSettings& settin
     if ((level > first || source.shape_start()) && mesh.cell_count() <= source.whole_mesh_cells()) {
       smooth_blocks(mesh, source.freedom(mesh), progress);
     } else {
-      mend_blocks(mesh, source.freedom(mesh), progress);
+      mend_blocks(
+          mesh, [&] { return source.freedom(mesh); }, progress);
     }
   }
   std::vector<Vec3> wall = limit_points(fit.levels[last]);
@@ -201,7 +202,7 @@ struct GradedMesh {
   ShapedMesh shaped;
   LayerReport layers;
   NormalReport normals;
-  HexValidity validity;
+  CellProof validity;
 };
 
 // The shaped blocks with lines that leave the wall along its normals and, if asked, boundary layers on them.
@@ -217,8 +218,8 @@ GradedMesh graded_mesh(const BlockSource& source, const VolumeSettings& settings
   } else {
     shorten_leaning_lines(mesh, source.blocks());
   }
-  mend_blocks(mesh, source.freedom(mesh), progress);
-  result.validity = hex_validity(mesh);
+  result.validity = mend_blocks(
+      mesh, [&] { return source.freedom(mesh); }, progress);
   return result;
 }
 
@@ -274,7 +275,7 @@ Gate inversion_gate(const QualityReport& quality) {
 }
 
 // Cells whose corners are right but whose inside is not proved.
-Gate proof_gate(const HexValidity& validity, const HexView& mesh) {
+Gate proof_gate(const CellProof& validity, const HexView& mesh) {
   Gate gate = make_gate("unproved_cells", 0, static_cast<double>(validity.uncertified), "");
   if (!gate.holds) {
     const LocatedCell cell = unproved_cells(mesh, 1).front();

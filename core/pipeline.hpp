@@ -70,7 +70,7 @@ struct VolumeResult {
   SurfaceFit fit;
   BlockMesh mesh;
   QualityReport quality;
-  HexValidity validity;  ///< of the whole mesh, its cells' insides included
+  CellProof validity;  ///< of the whole mesh, its cells' insides included
   TopologyBound bound;
   LayerReport layers;  ///< where a first height was asked for
   NormalReport normals;

@@ -112,18 +112,48 @@ std::vector<Index> line_chords(const WallBlocks& blocks) {
   return chords;
 }
 
-Index line_point(const BlockMesh& mesh, const WallBlocks& blocks, const WallLine& line, Index k) {
+namespace {
+
+/// Where a line stands in its block: the lattice place of its point k, and the axis along which k counts.
+struct LineSeat {
+  std::array<Index, 3> at{};
+  int axis = 0;
+  bool forward = true;  ///< k grows as the axis does
+};
+
+LineSeat seat_of(const BlockMesh& mesh, const WallBlocks& blocks, const WallLine& line) {
   const WallSeat& seat = blocks.seats[line.face];
   const auto n = mesh.dims(seat.block);
   const auto& origin = hex_corner_ijk[seat.foot[0]];
   const auto& along_i = hex_corner_ijk[seat.foot[1]];
   const auto& along_j = hex_corner_ijk[seat.foot[3]];
-  std::array<Index, 3> at{};
+  LineSeat out;
   for (int a = 0; a < 3; ++a) {
-    const Index steps = along_i[a] != origin[a] ? line.i : along_j[a] != origin[a] ? line.j : k;
-    at[a] = origin[a] == 0 ? steps : n[a] - steps;
+    const bool is_i = along_i[a] != origin[a];
+    if (!is_i && along_j[a] == origin[a]) {
+      out.axis = a;
+      out.forward = origin[a] == 0;
+      continue;
+    }
+    const Index steps = is_i ? line.i : line.j;
+    out.at[a] = origin[a] == 0 ? steps : n[a] - steps;
   }
-  return mesh.point_number(seat.block, at[0], at[1], at[2]);
+  return out;
+}
+
+}  // namespace
+
+PointRow line_points(const BlockMesh& mesh, const WallBlocks& blocks, const WallLine& line) {
+  const LineSeat seat = seat_of(mesh, blocks, line);
+  const PointRow row = mesh.point_row(blocks.seats[line.face].block, seat.axis, seat.at);
+  return seat.forward ? row : row.reversed();
+}
+
+Index line_point(const BlockMesh& mesh, const WallBlocks& blocks, const WallLine& line, Index k) {
+  LineSeat seat = seat_of(mesh, blocks, line);
+  const Index block = blocks.seats[line.face].block;
+  seat.at[seat.axis] = seat.forward ? k : mesh.dims(block)[seat.axis] - k;
+  return mesh.point_number(block, seat.at[0], seat.at[1], seat.at[2]);
 }
 
 Index line_layers(const BlockMesh& mesh, const WallBlocks& blocks, Index chord) {

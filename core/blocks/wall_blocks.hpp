@@ -54,7 +54,10 @@ struct WallLine {
   Index face = no_index, i = 0, j = 0;
 };
 
-/// The point of layer k (0: the wall) on a line.
+/// The points of a line from the wall (0) to its other end.
+PointRow line_points(const BlockMesh& mesh, const WallBlocks& blocks, const WallLine& line);
+
+/// The point of layer k (0: the wall) on a line; of more than a few layers, line_points is cheaper.
 Index line_point(const BlockMesh& mesh, const WallBlocks& blocks, const WallLine& line, Index k);
 
 /// Cells along the lines of a chord; with no chord those of all lines, the least where chords differ.

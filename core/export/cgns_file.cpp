@@ -1,13 +1,32 @@
 #include "core/export/cgns_file.hpp"
 
+#include <dlfcn.h>
 #include <fmt/format.h>
 
 #include <utility>
 
 namespace flowcage {
+namespace {
+
+/// HDF5, which stores CGNS files, closes what is open when the process ends; where a full disk refused to
+/// take a file's data, it crashes there. Files are closed by CgnsFile, so that the library is asked to leave
+/// it. Found by name, because CGNS's package does not come with HDF5's headers; must precede HDF5's first
+/// use.
+void keep_hdf5_from_exit() {
+  static const bool done = [] {
+    if (auto* const dont_atexit = reinterpret_cast<int (*)()>(::dlsym(RTLD_DEFAULT, "H5dont_atexit"))) {
+      dont_atexit();
+    }
+    return true;
+  }();
+  static_cast<void>(done);
+}
+
+}  // namespace
 
 CgnsFile::CgnsFile(const std::filesystem::path& file, Use use, std::string shown_as)
     : shown_as_(std::move(shown_as)), use_(use) {
+  keep_hdf5_from_exit();
   if (use == Use::write) check(cg_set_file_type(CG_FILE_HDF5));
   check(cg_open(file.c_str(), use == Use::write ? CG_MODE_WRITE : CG_MODE_READ, &number_));
 }

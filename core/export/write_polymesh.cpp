@@ -2,8 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
-#include <optional>
+#include <limits>
 
 #include "core/base/parallel.hpp"
 #include "core/export/face_stream.hpp"
@@ -114,69 +115,44 @@ class PolyMeshWriter {
     file.close();
   }
 
-  void faces() {
-    const auto stored = folder_.create("faces");
-    OutputFile& file = *stored;
-    file << header({settings_.binary ? "faceCompactList" : "faceList", location, "faces"}, settings_.binary);
-    if (settings_.binary) {
-      // A compact list is two lists: where each face begins, and all point numbers.
-      if (4 * faces_ > std::numeric_limits<Index>::max()) {
-        throw Error(ErrorKind::output,
-                    fmt::format("{} faces are more than a binary polyMesh with 32-bit labels holds", faces_),
-                    "write the ASCII form");
-      }
-      open_list(file, faces_ + 1);
-      write_ranges(file, faces_ + 1, point_grain, [&](Offset begin, Offset end, std::string& text) {
-        for (Offset f = begin; f < end; ++f) append_raw(text, static_cast<Index>(4 * f));
-      });
-      file << ")\n";
-      open_list(file, 4 * faces_);
-    } else {
-      open_list(file, faces_);
-    }
-    const auto append = [&](const std::array<Index, 4>& quad, std::string& text) {
-      if (settings_.binary) {
-        append_raw(text, quad);
-        return;
-      }
-      for (int i = 0; i < 4; ++i) {
-        text += i == 0 ? "4(" : " ";
-        append_number(text, quad[i]);
-      }
-      text += ")\n";
-    };
-    for_internal_faces(file, [&](const InternalFace& face, std::string& text) { append(face.points, text); });
-    for (const BoundaryPatch& patch : mesh_.patches()) {
-      write_ranges(file, static_cast<Offset>(patch.quads.size()), point_grain,
-                   [&](Offset begin, Offset end, std::string& text) {
-                     for (Offset q = begin; q < end; ++q) append(patch.quads[q], text);
-                   });
-    }
-    file << ")\n";
-    file.close();
-  }
-
-  void owner_and_neighbour() {
+  /// The three files of the faces, made in one pass over the cells.
+  void faces_owner_and_neighbour() {
     const std::string note =
         fmt::format("nPoints:{}  nCells:{}  nFaces:{}  nInternalFaces:{}", mesh_.points().size(),
                     mesh_.cell_count(), faces_, adjacency_.internal_faces);
-    const auto owner_stored = folder_.create("owner");
-    OutputFile& owner = *owner_stored;
-    owner << header({"labelList", location, "owner", note}, settings_.binary);
-    open_list(owner, faces_);
-    for_internal_faces(owner, [&](const InternalFace& f, std::string& text) { append_label(text, f.owner); });
-    write_labels(owner, adjacency_.boundary_owner);
-    owner << ")\n";
-    owner.close();
-
-    const auto neighbour_stored = folder_.create("neighbour");
-    OutputFile& neighbour = *neighbour_stored;
-    neighbour << header({"labelList", location, "neighbour", note}, settings_.binary);
-    open_list(neighbour, adjacency_.internal_faces);
-    for_internal_faces(neighbour,
-                       [&](const InternalFace& f, std::string& text) { append_label(text, f.neighbour); });
-    neighbour << ")\n";
-    neighbour.close();
+    const auto faces = folder_.create("faces");
+    const auto owner = folder_.create("owner");
+    const auto neighbour = folder_.create("neighbour");
+    *faces << header({settings_.binary ? "faceCompactList" : "faceList", location, "faces"},
+                     settings_.binary);
+    begin_faces(*faces);
+    *owner << header({"labelList", location, "owner", note}, settings_.binary);
+    open_list(*owner, faces_);
+    *neighbour << header({"labelList", location, "neighbour", note}, settings_.binary);
+    open_list(*neighbour, adjacency_.internal_faces);
+    const std::array<std::ostream*, 3> files{faces.get(), owner.get(), neighbour.get()};
+    write_ranges(files, mesh_.cell_count(), cell_grain,
+                 [&](Offset begin, Offset end, std::span<std::string> texts) {
+                   std::vector<InternalFace> internal;
+                   internal.reserve(static_cast<std::size_t>(3 * (end - begin)));
+                   read_internal_faces(mesh_, adjacency_, begin, end, internal);
+                   for (const InternalFace& face : internal) {
+                     append_face(texts[0], face.points);
+                     append_label(texts[1], face.owner);
+                     append_label(texts[2], face.neighbour);
+                   }
+                 });
+    for (const BoundaryPatch& patch : mesh_.patches()) {
+      write_ranges(*faces, static_cast<Offset>(patch.quads.size()), point_grain,
+                   [&](Offset begin, Offset end, std::string& text) {
+                     for (Offset q = begin; q < end; ++q) append_face(text, patch.quads[q]);
+                   });
+    }
+    write_labels(*owner, adjacency_.boundary_owner);
+    for (OutputFile* file : {faces.get(), owner.get(), neighbour.get()}) {
+      *file << ")\n";
+      file->close();
+    }
   }
 
   std::vector<std::string> boundary() {
@@ -248,13 +224,35 @@ class PolyMeshWriter {
                    for (Offset i = begin; i < end; ++i) append_label(text, labels[i]);
                  });
   }
-  template <typename Append>
-  void for_internal_faces(OutputFile& file, const Append& append) const {
-    write_ranges(file, mesh_.cell_count(), cell_grain, [&](Offset begin, Offset end, std::string& text) {
-      std::vector<InternalFace> faces;
-      read_internal_faces(mesh_, adjacency_, begin, end, faces);
-      for (const InternalFace& face : faces) append(face, text);
+  void append_face(std::string& text, const std::array<Index, 4>& quad) const {
+    if (settings_.binary) {
+      append_raw(text, quad);
+      return;
+    }
+    for (int i = 0; i < 4; ++i) {
+      text += i == 0 ? "4(" : " ";
+      append_number(text, quad[i]);
+    }
+    text += ")\n";
+  }
+  /// Up to where the faces' own points begin.
+  void begin_faces(OutputFile& file) const {
+    if (!settings_.binary) {
+      open_list(file, faces_);
+      return;
+    }
+    // A compact list is two lists: where each face begins, and all point numbers.
+    if (4 * faces_ > std::numeric_limits<Index>::max()) {
+      throw Error(ErrorKind::output,
+                  fmt::format("{} faces are more than a binary polyMesh with 32-bit labels holds", faces_),
+                  "write the ASCII form");
+    }
+    open_list(file, faces_ + 1);
+    write_ranges(file, faces_ + 1, point_grain, [&](Offset begin, Offset end, std::string& text) {
+      for (Offset f = begin; f < end; ++f) append_raw(text, static_cast<Index>(4 * f));
     });
+    file << ")\n";
+    open_list(file, 4 * faces_);
   }
 
   AtomicFolder& folder_;
@@ -293,9 +291,7 @@ std::vector<std::string> write_polymesh(AtomicFolder& folder, const HexView& mes
   step(0);
   writer.points();
   step(0.3);
-  writer.faces();
-  step(0.7);
-  writer.owner_and_neighbour();
+  writer.faces_owner_and_neighbour();
   step(0.9);
   std::vector<std::string> notes = writer.boundary();
   if (settings.block_zones) writer.cell_zones();

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <functional>
 #include <ostream>
+#include <span>
 #include <string>
 #include <type_traits>
 
@@ -15,6 +16,11 @@ namespace flowcage {
 /// `grain`.
 void write_ranges(std::ostream& out, Offset count, Offset grain,
                   const std::function<void(Offset begin, Offset end, std::string& text)>& fill);
+
+/// The same for several files that are made of the same ranges: text n is for file n. Every range is visited
+/// once.
+void write_ranges(std::span<std::ostream* const> files, Offset count, Offset grain,
+                  const std::function<void(Offset begin, Offset end, std::span<std::string> texts)>& fill);
 
 /// Appends a number: the shortest text that reads back as the same bits.
 template <typename Number>

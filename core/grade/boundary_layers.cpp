@@ -380,11 +380,11 @@ class LayerBuilder {
             const WallLine& line = columns_.lines[l];
             const LineCurve curve = curve_of(l, weight[l]);
             const std::vector<double> s = mean_.carried(curve.lengths(), lean_[l]);
+            const PointRow row = line_points(out, blocks_, line);
             for (Index k = 0; k <= part.cells; ++k) {
               // The ends keep every bit.
               const bool inside = k > 0 && k < part.cells;
-              points[line_point(out, blocks_, line, k)] =
-                  inside ? curve.at(s[k]) : at(line, k == 0 ? 0 : columns_.layers);
+              points[row[k]] = inside ? curve.at(s[k]) : at(line, k == 0 ? 0 : columns_.layers);
             }
             part.min_height = std::min(part.min_height, s[1]);
             part.max_height = std::max(part.max_height, s[1]);

@@ -198,17 +198,16 @@ QuadLattice BlockMesh::quad_lattice(Index quad) const {
   return lattice;
 }
 
-/// The ni + 1 points of a block's row (j,k).
-void BlockMesh::read_row(Index block, std::array<Index, 2> jk, std::span<Index> out) const {
-  const Index ni = frames_[block].dims[0];
-  out[0] = point_number(block, 0, jk[0], jk[1]);
-  out[ni] = point_number(block, ni, jk[0], jk[1]);
-  if (ni == 1) return;
-  out[1] = point_number(block, 1, jk[0], jk[1]);
-  if (ni == 2) return;
-  const Index stride =
-      point_number(block, 2, jk[0], jk[1]) - out[1];  // the same along the row's inner points
-  for (Index i = 2; i < ni; ++i) out[i] = out[i - 1] + stride;
+PointRow BlockMesh::point_row(Index block, int axis, std::array<Index, 3> at) const {
+  const auto number = [&](Index t) {
+    at[axis] = t;
+    return point_number(block, at[0], at[1], at[2]);
+  };
+  const Index n = frames_[block].dims[axis];
+  PointRow row{n, number(0), number(n)};
+  if (n > 2) row.stride = number(2) - number(1);
+  if (n > 1) row.base = number(1) - row.stride;
+  return row;
 }
 
 Index BlockMesh::block_of(Offset cell) const {
@@ -220,7 +219,6 @@ Index BlockMesh::block_of(Offset cell) const {
 void BlockMesh::read_cells(Offset begin, std::span<HexPoints> out) const {
   if (out.empty()) return;
   Index block = block_of(begin);
-  std::array<std::vector<Index>, 4> rows;  // (j,k) (j+1,k) (j,k+1) (j+1,k+1)
   std::size_t done = 0;
   while (done < out.size()) {
     while (begin + static_cast<Offset>(done) >= cell_offset_[block + 1]) ++block;
@@ -229,13 +227,15 @@ void BlockMesh::read_cells(Offset begin, std::span<HexPoints> out) const {
     const auto first = static_cast<Index>(local % ni);
     const auto j = static_cast<Index>(local / ni % nj);
     const auto k = static_cast<Index>(local / ni / nj);
-    for (int r = 0; r < 4; ++r) {
-      rows[r].resize(ni + 1);
-      read_row(block, {j + (r & 1), k + (r >> 1)}, rows[r]);
-    }
+    const std::array<PointRow, 4> rows{point_row(block, 0, {0, j, k}), point_row(block, 0, {0, j + 1, k}),
+                                       point_row(block, 0, {0, j, k + 1}),
+                                       point_row(block, 0, {0, j + 1, k + 1})};
+    std::array<Index, 4> low{rows[0][first], rows[1][first], rows[2][first], rows[3][first]};
     for (Index i = first; i < ni && done < out.size(); ++i, ++done) {
-      out[done] = {rows[0][i], rows[0][i + 1], rows[1][i + 1], rows[1][i],
-                   rows[2][i], rows[2][i + 1], rows[3][i + 1], rows[3][i]};
+      std::array<Index, 4> high;
+      for (int r = 0; r < 4; ++r) high[r] = rows[r][i + 1];
+      out[done] = {low[0], high[0], high[1], low[1], low[2], high[2], high[3], low[3]};
+      low = high;
     }
   }
 }

@@ -14,6 +14,18 @@ struct QuadLattice {
   Index nu = 1, nv = 1;  ///< divisions
 };
 
+/// The points of a block's lattice along one of its axes: the two ends, and between them numbers of one
+/// stride, because they are owned by one edge, quad or hex.
+struct PointRow {
+  Index cells = 1;  ///< point t is at 0 <= t <= cells
+  Index first = no_index, last = no_index;
+  Index base = 0, stride = 0;  ///< 0 < t < cells: base + stride t
+
+  Index operator[](Index t) const { return t == 0 ? first : t == cells ? last : base + stride * t; }
+  /// The same points from the other end on.
+  PointRow reversed() const { return {cells, last, first, base + stride * cells, -stride}; }
+};
+
 /// A HexComplex whose block b is divided into dims(b) cells; chords carry the divisions, so blocks fit by
 /// construction.
 ///
@@ -38,6 +50,8 @@ class BlockMesh final : public HexView {
   const std::vector<Index>& chord_divisions() const { return chord_divisions_; }
   std::array<Index, 3> dims(Index block) const;
   Index point_number(Index block, Index i, Index j, Index k) const;
+  /// The row of points along `axis` through lattice place `at` of a block; at[axis] is not read.
+  PointRow point_row(Index block, int axis, std::array<Index, 3> at) const;
   QuadLattice quad_lattice(Index quad) const;
   Index point_number(const QuadLattice& at, Index u, Index v) const {
     return point_number(at.block, at.origin[0] + u * at.du[0] + v * at.dv[0],
@@ -70,7 +84,6 @@ class BlockMesh final : public HexView {
     Index interior;                              ///< base; strides follow from dims
   };
   Frame make_frame(Index block) const;
-  void read_row(Index block, std::array<Index, 2> jk, std::span<Index> out) const;
   void build_patches();
 
   std::shared_ptr<const HexComplex> complex_;

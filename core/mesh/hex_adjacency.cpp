@@ -7,7 +7,6 @@
 
 #include "core/base/error.hpp"
 #include "core/base/parallel.hpp"
-#include "core/mesh/visit_cells.hpp"
 
 namespace flowcage {
 namespace {
@@ -196,7 +195,28 @@ FaceMatching match_faces(const HexView& mesh) {
   return Matcher(mesh).run();
 }
 
+void HexAdjacency::read_across(Offset begin, std::span<CellNeighbours> out) const {
+  if (blocks) {
+    blocks->read_across(begin, out);
+    return;
+  }
+  const Index* at = across.data() + 6 * begin;
+  for (CellNeighbours& cell : out) {
+    std::copy_n(at, 6, cell.begin());
+    at += 6;
+  }
+}
+
 HexAdjacency build_hex_adjacency(const HexView& mesh) {
+  if (const auto* blocks = dynamic_cast<const BlockMesh*>(&mesh)) {
+    HexAdjacency adjacency;
+    adjacency.blocks = std::make_shared<const BlockAdjacency>(*blocks);
+    for (const BoundaryPatch& patch : mesh.patches()) {
+      adjacency.boundary_owner.insert(adjacency.boundary_owner.end(), patch.owner.begin(), patch.owner.end());
+    }
+    adjacency.internal_faces = (6 * mesh.cell_count() - adjacency.boundary_faces()) / 2;
+    return adjacency;
+  }
   FaceMatching matching = match_faces(mesh);
   if (!matching.uncovered.empty()) {
     const Offset half = matching.uncovered.front();

@@ -1,9 +1,30 @@
 #include "core/optimise/hex_validity.hpp"
 
 #include "core/base/parallel.hpp"
+#include "core/mesh/visit_cells.hpp"
 #include "core/optimise/jacobian_bound.hpp"
 
 namespace flowcage {
+
+CellProof prove_cells(const HexView& mesh) {
+  const auto body = [&](Offset begin, Offset end) {
+    CellProof part;
+    visit_cells(mesh, begin, end, [&](Offset, const HexPoints& cell) {
+      const HexCornerPoints p = corner_points(mesh.points(), cell);
+      if (positive_near_affine(p)) return;
+      if (!(min_scaled_jacobian(p) > 0)) {
+        ++part.inverted;
+      } else if (jacobian_sign(p) != JacobianSign::positive) {
+        ++part.uncertified;
+      }
+    });
+    return part;
+  };
+  return parallel_reduce(mesh.cell_count(), cell_grain, CellProof{}, body,
+                         [](CellProof a, const CellProof& b) {
+                           return CellProof{a.inverted + b.inverted, a.uncertified + b.uncertified};
+                         });
+}
 
 HexValidity measure_validity(std::span<const HexPoints> cells, std::span<const Vec3> points) {
   struct Sums {

@@ -13,6 +13,16 @@ struct HexValidity {
   double mean_scaled_jacobian = 1;
 };
 
+/// How many cells of a mesh are not sound: what remains of HexValidity where shapes are not asked for.
+struct CellProof {
+  Offset inverted = 0;     ///< as in HexValidity
+  Offset uncertified = 0;  ///< as in HexValidity
+  bool all_sound() const { return inverted == 0 && uncertified == 0; }
+};
+
+/// Of all cells of a mesh, read as they come: no memory. Fast where cells are nearly parallelepipeds.
+CellProof prove_cells(const HexView& mesh);
+
 /// Of the cells into `points`. The same bits for any number of threads.
 HexValidity measure_validity(std::span<const HexPoints> cells, std::span<const Vec3> points);
 

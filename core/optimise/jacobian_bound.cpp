@@ -117,7 +117,26 @@ double jacobian_lower_bound(const HexCornerPoints& corners, int splits) {
   return least(parts.top()) - rounding_bound(columns_of(corners));
 }
 
+bool positive_near_affine(const HexCornerPoints& corners) {
+  double affine = 1, largest = 1;
+  std::array<Vec3, 3> mean;
+  for (int a = 0; a < 3; ++a) {
+    std::array<Vec3, 4> edge;
+    for (int e = 0; e < 4; ++e) edge[e] = corners[hex_edges[4 * a + e][1]] - corners[hex_edges[4 * a + e][0]];
+    mean[a] = ((edge[0] + edge[1]) + (edge[2] + edge[3])) / 4;
+    double deviation = 0;
+    for (const Vec3& e : edge) deviation = std::max(deviation, (e - mean[a]).squaredNorm());
+    const double length = mean[a].norm();
+    affine *= length;
+    largest *= length + std::sqrt(deviation);
+  }
+  // Twice the bound of the Bernstein form, which this stands in for. A coordinate that is no number fails.
+  const double rounding = 128 * std::numeric_limits<double>::epsilon() * largest;
+  return mean[0].cross(mean[1]).dot(mean[2]) > largest - affine + rounding;
+}
+
 JacobianSign jacobian_sign(const HexCornerPoints& corners, int max_splits) {
+  if (positive_near_affine(corners)) return JacobianSign::positive;
   if (!finite(corners)) return JacobianSign::not_positive;
   const double error = rounding_bound(columns_of(corners));
   const Coefficients whole = jacobian_bernstein(corners);

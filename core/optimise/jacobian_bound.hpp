@@ -22,8 +22,16 @@ std::array<double, 27> jacobian_bernstein(const HexCornerPoints& corners);
 /// coordinate is not finite.
 double jacobian_lower_bound(const HexCornerPoints& corners, int splits = 0);
 
+/// A cheap proof of det J > 0 everywhere, for cells that are nearly parallelepipeds, as those of fine levels
+/// are. With A the affine map whose columns are the means of the hex's four edges along each axis, and d_a
+/// the largest deviation of an edge along axis a from its mean, each column of J stays within d_a of A's, so
+///   |det J - det A| <= (|A_1| + d_1) (|A_2| + d_2) (|A_3| + d_3) - |A_1| |A_2| |A_3|
+/// (Hadamard's inequality on the expanded determinant); true where det A exceeds that and the rounding. The
+/// same holds for every Bernstein coefficient, so wherever this is true, jacobian_sign is positive.
+bool positive_near_affine(const HexCornerPoints& corners);
+
 /// Splits the part with the least coefficient until the sign is certain, at most `max_splits` times. Corners
-/// alone do not prove a hex valid; this does.
+/// alone do not prove a hex valid; this does. Tries positive_near_affine first: about a fifth of the time.
 JacobianSign jacobian_sign(const HexCornerPoints& corners, int max_splits = 50);
 
 }  // namespace flowcage

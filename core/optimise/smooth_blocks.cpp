@@ -74,14 +74,17 @@ void smooth_blocks(BlockMesh& mesh, BoundaryFreedom freedom, Progress& progress)
   mesh.mutable_points() = untangle(mesh, settings, progress).points;
 }
 
-void mend_blocks(BlockMesh& mesh, BoundaryFreedom freedom, Progress& progress) {
-  const HexValidity validity = hex_validity(mesh);
-  if (validity.inverted == 0 && validity.uncertified == 0) return;
+CellProof mend_blocks(BlockMesh& mesh, const std::function<BoundaryFreedom()>& freedom, Progress& progress) {
+  const CellProof proof = prove_cells(mesh);
+  if (proof.all_sound()) return proof;
+  BoundaryFreedom given = freedom();
   RepairSettings settings;
   settings.threshold = 0.02;  // a sharp trailing edge alone leaves a tenth: nothing that could be mended
-  settings.optimise.freedom = std::move(freedom.points);
-  settings.optimise.projectors = std::move(freedom.projectors);
-  mesh.mutable_points() = repair_cells(mesh, settings, progress).points;
+  settings.optimise.freedom = std::move(given.points);
+  settings.optimise.projectors = std::move(given.projectors);
+  const UntangledPoints mended = repair_cells(mesh, settings, progress);
+  mesh.mutable_points() = mended.points;
+  return {mended.report.after.inverted, mended.report.after.uncertified};
 }
 
 }  // namespace flowcage

@@ -1,4 +1,6 @@
 #pragma once
+#include <functional>
+
 #include "core/blocks/shell.hpp"
 #include "core/optimise/untangle.hpp"
 
@@ -20,7 +22,8 @@ BoundaryFreedom planar_freedom(const HexView& mesh);
 /// need be (optimise/untangle); never worse than before.
 void smooth_blocks(BlockMesh& mesh, BoundaryFreedom freedom, Progress& progress);
 
-/// Mends inverted and unproved cells; the rest of a valid mesh keeps every bit.
-void mend_blocks(BlockMesh& mesh, BoundaryFreedom freedom, Progress& progress);
+/// Mends inverted and unproved cells; the rest of a valid mesh keeps every bit. `freedom` is called only
+/// where there are such. Returns what remains of them.
+CellProof mend_blocks(BlockMesh& mesh, const std::function<BoundaryFreedom()>& freedom, Progress& progress);
 
 }  // namespace flowcage

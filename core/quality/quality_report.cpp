@@ -7,7 +7,6 @@
 #include <numbers>
 
 #include "core/base/parallel.hpp"
-#include "core/mesh/visit_cells.hpp"
 #include "core/quality/foam_metrics.hpp"
 
 namespace flowcage {
@@ -158,8 +157,10 @@ class Measurement {
         mesh_.cell_count(), cell_grain, new_face_part(),
         [&](Offset begin, Offset end) {
           FacePart part = new_face_part();
-          visit_cells(mesh_, begin, end,
-                      [&](Offset c, const HexPoints& points) { add_faces(c, points, part); });
+          visit_neighbours(mesh_, adjacency_, begin, end,
+                           [&](Offset c, const HexPoints& points, const CellNeighbours& across) {
+                             add_faces(c, points, across, part);
+                           });
           return part;
         },
         [](FacePart a, const FacePart& b) {
@@ -222,11 +223,11 @@ class Measurement {
   }
 
   // The faces that cell c owns: inner ones toward a higher cell number, and those of the boundary.
-  void add_faces(Offset c, const HexPoints& points, FacePart& part) const {
+  void add_faces(Offset c, const HexPoints& points, const CellNeighbours& neighbours, FacePart& part) const {
     const Index block = mesh_.block_of(c);
     const Vec3& own = centres_[c];
     for (int f = 0; f < 6; ++f) {
-      const Index across = adjacency_.across[6 * c + f];
+      const Index across = neighbours[f];
       if (across >= 0 && across < c) continue;
       std::array<Vec3, 4> quad;
       const auto corners = face_points(points, f);

@@ -62,7 +62,7 @@ struct QualitySettings {
 
 /// Measures a mesh. The same bits on any number of threads. A figure that is no number (a coordinate is not
 /// finite) counts as the worst value: scaled Jacobian -1, 180 degrees, 1e300.
-/// Memory: 24 bytes a cell beside the adjacency's 24.
+/// Memory: 24 bytes a cell beside the adjacency's.
 QualityReport measure_quality(const HexView& mesh, const HexAdjacency& adjacency,
                               const QualitySettings& settings = {}, Progress* progress = nullptr);
 

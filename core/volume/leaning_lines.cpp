@@ -54,11 +54,13 @@ std::vector<LeaningLine> leaning_lines(const BlockMesh& mesh, const WallBlocks& 
   std::vector<LeaningLine> out;
   for (std::size_t l = 0; l < columns.lines.size(); ++l) {
     if (columns.rim[l] != 0) continue;
+    const PointRow row = line_points(mesh, blocks, columns.lines[l]);
+    if ((mesh.points()[row[1]] - mesh.points()[row[0]]).norm() <= bounds[l]) continue;
     LineCurve curve(line_positions(mesh, blocks, columns.lines[l], columns.layers));
     const double first = curve.lengths()[1];
     const double reach = std::min(reach_in_cells * first, curve.length());
     const double rest = 1 - first / reach;
-    if (first <= bounds[l] || !(rest > 0)) continue;
+    if (!(rest > 0)) continue;
     const double cut = std::min(most_cut, (1 - bounds[l] / first) / (rest * rest));
     out.push_back({static_cast<Index>(l), std::move(curve), reach, cut});
   }
@@ -71,15 +73,16 @@ Index shorten_leaning_lines(BlockMesh& mesh, const WallBlocks& blocks, const Lea
   const WallColumns columns = wall_columns(mesh, blocks);
   const auto faces = static_cast<Offset>(columns.faces.size());
   std::vector<LeaningLine> leaning = leaning_lines(mesh, blocks, columns, settings);
+  if (leaning.empty()) return 0;
   const std::vector<float> before = column_values(mesh, blocks, columns);
   constexpr int most_passes = 12;
   for (int pass = 0; pass <= most_passes; ++pass) {
     for (const LeaningLine& line : leaning) {
+      const PointRow row = line_points(mesh, blocks, columns.lines[line.line]);
       for (Index k = 1; k < columns.layers && line.curve.lengths()[k] < line.reach; ++k) {
         const double s = line.curve.lengths()[k];
         const double rest = 1 - s / line.reach;
-        mesh.mutable_points()[line_point(mesh, blocks, columns.lines[line.line], k)] =
-            line.curve.at(s * (1 - line.cut * rest * rest));
+        mesh.mutable_points()[row[k]] = line.curve.at(s * (1 - line.cut * rest * rest));
       }
     }
     flatten_symmetry(mesh, blocks);

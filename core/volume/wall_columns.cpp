@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <unordered_map>
 
 #include "core/base/parallel.hpp"
 #include "core/mesh/hex_numbering.hpp"
@@ -12,14 +12,18 @@ namespace {
 
 /// Scaled Jacobian at the worst corner of the hex over a wall face between layers k and k + 1.
 double worst_corner(const std::array<Vec3, 8>& p) {
+  std::array<Vec3, 12> edge;
+  std::array<double, 12> square;
+  for (int e = 0; e < 12; ++e) {
+    edge[e] = p[hex_edges[e][1]] - p[hex_edges[e][0]];
+    square[e] = edge[e].squaredNorm();
+  }
   double worst = 1;
   for (int c = 0; c < 8; ++c) {
     const auto [i, j, k] = hex_corner_ijk[c];
-    Vec3 a = p[hex_corner_at(1 - i, j, k)] - p[c];
-    Vec3 b = p[hex_corner_at(i, 1 - j, k)] - p[c];
-    Vec3 d = p[hex_corner_at(i, j, 1 - k)] - p[c];
-    const double sign = ((i + j + k) % 2 == 0 ? 1 : -1) / (a.norm() * b.norm() * d.norm());
-    const double value = sign * a.cross(b).dot(d);
+    const int a = j + 2 * k, b = 4 + i + 2 * k, d = 8 + i + 2 * j;
+    // Edges run along their axis: right-handed at every corner, as both ends see the same three directions.
+    const double value = edge[a].cross(edge[b]).dot(edge[d]) / std::sqrt(square[a] * square[b] * square[d]);
     worst = std::min(worst, std::isfinite(value) ? value : -1);
   }
   return worst;
@@ -35,10 +39,12 @@ WallColumns wall_columns(const BlockMesh& mesh, const WallBlocks& blocks, Index 
     if (chord == no_index || seat_edge(blocks, f).chord == chord) faces.push_back(f);
   }
   // By a line's first two points: where the wall is cut, several lines leave one of its points.
-  std::map<std::array<Index, 2>, Index> line_at;
+  std::unordered_map<std::uint64_t, Index> line_at;
   const auto first_points = [&](const WallLine& line) {
-    return std::array<Index, 2>{line_point(mesh, blocks, line, 0), line_point(mesh, blocks, line, 1)};
+    const PointRow row = line_points(mesh, blocks, line);
+    return static_cast<std::uint64_t>(row[0]) << 32 | static_cast<std::uint64_t>(row[1]);
   };
+  std::vector<Index> lattice;  // lines at the lattice places of each face, i fastest
   const auto divisions = [&](Index f) {
     // Chords of the face's first and last side.
     const auto n = mesh.dims(blocks.seats[f].block);
@@ -56,13 +62,16 @@ WallColumns wall_columns(const BlockMesh& mesh, const WallBlocks& blocks, Index 
     for (Index j = 0; j <= n[1]; ++j) {
       for (Index i = 0; i <= n[0]; ++i) {
         const auto number = static_cast<Index>(columns.lines.size());
-        if (line_at.try_emplace(first_points({f, i, j}), number).second) columns.lines.push_back({f, i, j});
+        const auto [found, fresh] = line_at.try_emplace(first_points({f, i, j}), number);
+        if (fresh) columns.lines.push_back({f, i, j});
+        lattice.push_back(found->second);
       }
     }
   }
+  std::size_t first = 0;
   for (const Index f : faces) {
     const auto n = divisions(f);
-    const auto at = [&](Index i, Index j) { return line_at.at(first_points({f, i, j})); };
+    const auto at = [&](Index i, Index j) { return lattice[first + i + (n[0] + 1) * std::size_t(j)]; };
     for (Index j = 0; j < n[1]; ++j) {
       for (Index i = 0; i < n[0]; ++i) {
         const std::array<Index, 4> face{at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)};
@@ -73,6 +82,7 @@ WallColumns wall_columns(const BlockMesh& mesh, const WallBlocks& blocks, Index 
         }
       }
     }
+    first += static_cast<std::size_t>(n[0] + 1) * (n[1] + 1);
   }
   std::sort(columns.edges.begin(), columns.edges.end());
   columns.rim.assign(columns.lines.size(), 0);
@@ -93,29 +103,44 @@ WallColumns wall_columns(const BlockMesh& mesh, const WallBlocks& blocks, Index 
 
 std::vector<Vec3> line_positions(const BlockMesh& mesh, const WallBlocks& blocks, const WallLine& line,
                                  Index layers) {
+  const PointRow row = line_points(mesh, blocks, line);
   std::vector<Vec3> out(layers + 1);
-  for (Index k = 0; k <= layers; ++k) out[k] = mesh.points()[line_point(mesh, blocks, line, k)];
+  for (Index k = 0; k <= layers; ++k) out[k] = mesh.points()[row[k]];
   return out;
 }
 
 std::vector<float> column_values(const BlockMesh& mesh, const WallBlocks& blocks,
                                  const WallColumns& columns) {
+  std::vector<float> values(columns.faces.size() * static_cast<std::size_t>(columns.layers));
+  update_column_values(mesh, blocks, columns, {}, values);
+  return values;
+}
+
+void update_column_values(const BlockMesh& mesh, const WallBlocks& blocks, const WallColumns& columns,
+                          std::span<const char> moved, std::vector<float>& values) {
   const auto faces = static_cast<Offset>(columns.faces.size());
-  std::vector<float> values(faces * columns.layers);
   const auto points = mesh.points();
   parallel_for(faces, 64, [&](Offset begin, Offset end) {
     for (Offset f = begin; f < end; ++f) {
+      const std::array<Index, 4>& face = columns.faces[f];
+      if (!moved.empty() && std::none_of(face.begin(), face.end(), [&](Index l) { return moved[l] != 0; })) {
+        continue;
+      }
+      std::array<PointRow, 4> rows;
       std::array<Vec3, 8> p;
-      for (Index k = 0; k <= columns.layers; ++k) {
+      for (int c = 0; c < 4; ++c) {
+        rows[c] = line_points(mesh, blocks, columns.lines[face[c]]);
+        p[c + 4] = points[rows[c][0]];
+      }
+      for (Index k = 1; k <= columns.layers; ++k) {
         for (int c = 0; c < 4; ++c) {
           p[c] = p[c + 4];
-          p[c + 4] = points[line_point(mesh, blocks, columns.lines[columns.faces[f][c]], k)];
+          p[c + 4] = points[rows[c][k]];
         }
-        if (k > 0) values[f + faces * (k - 1)] = static_cast<float>(worst_corner(p));
+        values[f + faces * (k - 1)] = static_cast<float>(worst_corner(p));
       }
     }
   });
-  return values;
 }
 
 void flatten_symmetry(BlockMesh& mesh, const WallBlocks& blocks) {

@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <span>
 #include <vector>
 
 #include "core/blocks/wall_blocks.hpp"
@@ -26,6 +27,10 @@ std::vector<Vec3> line_positions(const BlockMesh& mesh, const WallBlocks& blocks
 
 /// Scaled Jacobian (least corner) of each cell on the columns, layer by layer of their faces.
 std::vector<float> column_values(const BlockMesh& mesh, const WallBlocks& blocks, const WallColumns& columns);
+
+/// Brings column_values up to date after the lines with moved[line] != 0 were moved; empty: all.
+void update_column_values(const BlockMesh& mesh, const WallBlocks& blocks, const WallColumns& columns,
+                          std::span<const char> moved, std::vector<float>& values);
 
 /// Puts the points of symmetry patches exactly into the plane.
 void flatten_symmetry(BlockMesh& mesh, const WallBlocks& blocks);

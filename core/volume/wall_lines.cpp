@@ -70,25 +70,29 @@ void place_boundary(BlockMesh& mesh, const WallBlocks& blocks, const SurfaceLeve
   const Index layers = line_layers(mesh, blocks);
   const std::vector<WallLine> lines = wall_lines(blocks, level);
   std::vector<Vec3>& points = mesh.mutable_points();
-  const auto displacement = [&](std::span<const Vec3> target, Index layer) {
-    std::vector<Vec3> d(level.vertex_count(), Vec3::Zero());
-    if (target.empty()) return d;
-    const std::vector<Index> at = layer_points(mesh, blocks, lines, layer);
-    for (std::size_t v = 0; v < d.size(); ++v) d[v] = target[v] - points[at[v]];
-    return d;
+  struct Ends {
+    Index wall, outer;
   };
-  const std::vector<Vec3> at_wall = displacement(places.wall, 0);
-  const std::vector<Vec3> at_outer = displacement(places.outer, layers);
-  for (Index k = 0; k <= layers; ++k) {
-    const double t = static_cast<double>(k) / layers;
-    const std::vector<Index> at = layer_points(mesh, blocks, lines, k);
-    for (std::size_t v = 0; v < at.size(); ++v) points[at[v]] += (1 - t) * at_wall[v] + t * at_outer[v];
-    if (k == 0 && !places.wall.empty()) {
-      for (std::size_t v = 0; v < at.size(); ++v) points[at[v]] = places.wall[v];
+  std::vector<Ends> ends(lines.size());
+  const auto displacement = [&](std::span<const Vec3> target, std::size_t v, Index at) {
+    return target.empty() ? Vec3(Vec3::Zero()) : Vec3(target[v] - points[at]);
+  };
+  parallel_for(static_cast<Offset>(lines.size()), 256, [&](Offset begin, Offset end) {
+    for (Offset v = begin; v < end; ++v) {
+      const PointRow row = line_points(mesh, blocks, lines[v]);
+      ends[v] = {row[0], row[layers]};
+      const Vec3 at_wall = displacement(places.wall, v, row[0]);
+      const Vec3 at_outer = displacement(places.outer, v, row[layers]);
+      for (Index k = 1; k < layers; ++k) {
+        const double t = static_cast<double>(k) / layers;
+        points[row[k]] += (1 - t) * at_wall + t * at_outer;
+      }
     }
-    if (k == layers && !places.outer.empty()) {
-      for (std::size_t v = 0; v < at.size(); ++v) points[at[v]] = places.outer[v];
-    }
+  });
+  // Lines may share an end.
+  for (std::size_t v = 0; v < ends.size(); ++v) {
+    if (!places.wall.empty()) points[ends[v].wall] = places.wall[v];
+    if (!places.outer.empty()) points[ends[v].outer] = places.outer[v];
   }
   flatten_symmetry(mesh, blocks);
 }
@@ -144,12 +148,13 @@ void spread_lines(BlockMesh& mesh, const WallBlocks& blocks, double max_growth) 
   std::vector<Vec3>& points = mesh.mutable_points();
   parallel_for(static_cast<Offset>(columns.lines.size()), 64, [&](Offset begin, Offset end) {
     for (Offset n = begin; n < end; ++n) {
+      const PointRow row = line_points(mesh, blocks, columns.lines[n]);
       const LineCurve curve(line_positions(mesh, blocks, columns.lines[n], layers));
       const std::vector<double> cells = geometric_cells(curve.length(), layers, sizes[n], max_growth);
       double s = 0;
       for (Index k = 1; k < layers; ++k) {
         s += cells[k - 1];
-        points[line_point(mesh, blocks, columns.lines[n], k)] = curve.at(s);
+        points[row[k]] = curve.at(s);
       }
     }
   });

@@ -26,13 +26,24 @@ class LineTurner {
     NormalReport report;
     std::tie(report.min_cosine_before, report.mean_cosine_before) = cosines();
     const std::vector<float> before = column_values(mesh_, blocks_, columns_);
+    std::vector<float> now = before;
     const double full = settings_.reach * diagonal_;
     std::vector<double> reach(columns_.lines.size(), full);
     std::vector<double> weight(columns_.lines.size(), 1);
+    std::vector<double> placed_reach, placed_weight;  // that the points are placed with
+    std::vector<char> moved(columns_.lines.size(), 1);
     bool settled = false;
     for (; report.passes < settings_.max_passes && !settled; ++report.passes) {
-      place(weight, reach);
-      const std::vector<char> bad = bad_lines(before);
+      if (report.passes > 0) {
+        for (std::size_t l = 0; l < moved.size(); ++l) {
+          moved[l] = reach[l] != placed_reach[l] || weight[l] != placed_weight[l] ? 1 : 0;
+        }
+      }
+      place(weight, reach, moved);
+      placed_reach = reach;
+      placed_weight = weight;
+      update_column_values(mesh_, blocks_, columns_, moved, now);
+      const std::vector<char> bad = bad_lines(before, now);
       settled = std::find(bad.begin(), bad.end(), 1) == bad.end();
       if (settled) break;
       for (std::size_t l = 0; l < bad.size(); ++l) {
@@ -47,7 +58,7 @@ class LineTurner {
     }
     if (!settled) {  // the lines as they were
       std::fill(weight.begin(), weight.end(), 0.0);
-      place(weight, reach);
+      place(weight, reach, std::vector<char>(columns_.lines.size(), 1));
     }
     flatten_symmetry(mesh_, blocks_);
     for (std::size_t l = 0; l < reach.size(); ++l)
@@ -69,18 +80,20 @@ class LineTurner {
     }
   }
 
-  void place(const std::vector<double>& weight, const std::vector<double>& reach) {
+  /// Only the lines to be moved.
+  void place(const std::vector<double>& weight, const std::vector<double>& reach,
+             const std::vector<char>& moved) {
     std::vector<Vec3>& points = mesh_.mutable_points();
-    parallel_for(static_cast<Offset>(columns_.lines.size()), 256, [&](Offset begin, Offset end) {
+    parallel_for(static_cast<Offset>(columns_.lines.size()), 64, [&](Offset begin, Offset end) {
       for (Offset l = begin; l < end; ++l) {
-        const WallLine& line = columns_.lines[l];
+        if (moved[l] == 0) continue;
+        const PointRow row = line_points(mesh_, blocks_, columns_.lines[l]);
         double length = 0;
-        for (Index k = 1; k <= columns_.layers; ++k)
-          length += (start_[point(line, k)] - start_[point(line, k - 1)]).norm();
+        for (Index k = 1; k <= columns_.layers; ++k) length += (start_[row[k]] - start_[row[k - 1]]).norm();
         double r = 0;
         for (Index k = 1; k < columns_.layers; ++k) {
-          const Index at = point(line, k);
-          r += (start_[at] - start_[point(line, k - 1)]).norm();
+          const Index at = row[k];
+          r += (start_[at] - start_[row[k - 1]]).norm();
           const double ratio = r / reach[l];
           points[at] = start_[at] + weight[l] * r / (1 + ratio * ratio) * (1 - r / length) * turn_[l];
         }
@@ -88,16 +101,24 @@ class LineTurner {
     });
   }
 
-  std::vector<char> bad_lines(const std::vector<float>& before) const {
-    const std::vector<float> now = column_values(mesh_, blocks_, columns_);
+  std::vector<char> bad_lines(const std::vector<float>& before, const std::vector<float>& now) const {
     const std::size_t faces = columns_.faces.size();
+    std::vector<char> bad_face(faces, 0);
+    parallel_for(static_cast<Offset>(faces), 256, [&](Offset begin, Offset end) {
+      for (Index k = 0; k < columns_.layers; ++k) {
+        for (Offset f = begin; f < end; ++f) {
+          // An inverted cell may stay as it is, not get worse.
+          const std::size_t n = f + faces * k;
+          const double was = before[n];
+          const double least = std::min(settings_.good_enough, was > 0 ? settings_.keep * was : was);
+          if (now[n] < least) bad_face[f] = 1;
+        }
+      }
+    });
     std::vector<char> bad(columns_.lines.size(), 0);
-    for (std::size_t n = 0; n < now.size(); ++n) {
-      // An inverted cell may stay as it is, not get worse.
-      const double was = before[n];
-      const double least = std::min(settings_.good_enough, was > 0 ? settings_.keep * was : was);
-      if (now[n] >= least) continue;
-      for (const Index l : columns_.faces[n % faces]) bad[l] = 1;
+    for (std::size_t f = 0; f < faces; ++f) {
+      if (bad_face[f] == 0) continue;
+      for (const Index l : columns_.faces[f]) bad[l] = 1;
     }
     return bad;
   }

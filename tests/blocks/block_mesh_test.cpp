@@ -5,6 +5,7 @@
 #include <set>
 
 #include "core/base/error.hpp"
+#include "core/mesh/hex_adjacency.hpp"
 #include "core/mesh/hex_numbering.hpp"
 #include "tests/blocks/sample_complexes.hpp"
 #include "tests/catch.hpp"
@@ -158,6 +159,27 @@ void check_numbering(const HexComplex& complex, const std::vector<Index>& divisi
   CHECK(listed == boundary);
 }
 
+/// The closed form of a block mesh's adjacency against the faces that match by their points.
+void check_adjacency(const BlockMesh& mesh) {
+  const FaceMatching matched = match_faces(mesh);
+  const HexAdjacency closed = build_hex_adjacency(mesh);
+  REQUIRE(closed.across.empty());
+  REQUIRE(matched.uncovered.empty());
+  CHECK(closed.internal_faces == matched.adjacency.internal_faces);
+  CHECK(closed.boundary_owner == matched.adjacency.boundary_owner);
+  std::vector<CellNeighbours> all(mesh.cell_count()), expected(mesh.cell_count());
+  closed.read_across(0, all);
+  matched.adjacency.read_across(0, expected);
+  REQUIRE(all == expected);
+  std::mt19937 random(8);
+  for (int n = 0; n < 20; ++n) {
+    const Offset begin = random() % mesh.cell_count();
+    std::vector<CellNeighbours> part(random() % (mesh.cell_count() - begin) + 1);
+    closed.read_across(begin, part);
+    REQUIRE(std::equal(part.begin(), part.end(), expected.begin() + begin));
+  }
+}
+
 }  // namespace
 
 TEST_CASE("block mesh numbering is watertight on random complexes") {
@@ -167,6 +189,18 @@ TEST_CASE("block mesh numbering is watertight on random complexes") {
     std::vector<Index> divisions(complex.chord_count);
     for (Index& d : divisions) d = 1 + static_cast<Index>(random() % 4);
     check_numbering(complex, divisions);
+  }
+}
+
+TEST_CASE("block adjacency: the closed form is what the faces' points say") {
+  std::mt19937 random(20261130);
+  for (int trial = 0; trial < 60; ++trial) {
+    const HexComplex complex = trial == 0 ? sample::grid_complex({2, 3, 2}) : sample::random_complex(random);
+    std::vector<Index> divisions(complex.chord_count);
+    for (Index& d : divisions) d = 1 + static_cast<Index>(random() % 5);
+    const Index points = BlockMesh::point_count(complex, divisions);
+    check_adjacency(
+        {std::make_shared<const HexComplex>(complex), divisions, std::vector<Vec3>(points, Vec3::Zero())});
   }
 }
 

@@ -119,3 +119,41 @@ TEST_CASE("scaled Jacobian: sine of the angle of a sheared cube, at any size") {
     CHECK(min_scaled_jacobian(p) == Approx(std::sqrt(0.5)).epsilon(1e-12));
   }
 }
+
+TEST_CASE("jacobian bound: the cheap proof holds only where the full one does, and samples agree") {
+  std::mt19937 random(5);
+  const auto uniform = [&] { return static_cast<double>(random()) / 4294967295.0; };
+  int cheap = 0;
+  int only_full = 0;
+  int near_zero = 0;
+  for (int n = 0; n < 40000; ++n) {
+    // Parallelepipeds of any stretch, some nearly flat, shaken a little or much.
+    HexCornerPoints p = shaken_cube(std::pow(10, -6 * uniform()) * 0.6, random);
+    Eigen::Matrix3d map;
+    for (double& entry : map.reshaped()) entry = 2 * uniform() - 1;
+    map.col(0) *= std::pow(10, -8 * uniform());
+    if (n % 4 == 0) map.col(1) = map.col(2) + std::pow(10, -15 * uniform()) * map.col(1);
+    const Vec3 shift = Vec3(3, -2, 7) * uniform();
+    for (Vec3& x : p) x = map * x + shift;
+    const bool proved = positive_near_affine(p);
+    cheap += proved ? 1 : 0;
+    // Any split count: the first coefficients decide already.
+    if (proved) {
+      REQUIRE(jacobian_lower_bound(p) > 0);
+      REQUIRE(min_scaled_jacobian(p) > 0);
+      for (int s = 0; s < 27; ++s) REQUIRE(jacobian_at(p, Vec3(s % 3, s / 3 % 3, s / 9) / 2.0) > 0);
+    } else if (jacobian_lower_bound(p) > 0) {
+      ++only_full;
+    }
+    near_zero += std::abs(min_scaled_jacobian(p)) < 1e-6 ? 1 : 0;
+  }
+  CHECK(cheap > 4000);
+  CHECK(only_full > 500);
+  CHECK(near_zero > 500);
+  HexCornerPoints mirrored = unit_cube();
+  for (Vec3& x : mirrored) x[1] = -x[1];
+  CHECK_FALSE(positive_near_affine(mirrored));
+  HexCornerPoints broken = unit_cube();
+  broken[6][2] = std::numeric_limits<double>::infinity();
+  CHECK_FALSE(positive_near_affine(broken));
+}
