@@ -1,17 +1,8 @@
 #pragma once
-#include <span>
-#include <vector>
-
 #include "core/blocks/wall_blocks.hpp"
+#include "core/grade/line_cells.hpp"
 
 namespace flowcage {
-
-/// Wall spacing that was asked for.
-struct LayerSettings {
-  double first_height = 0;  ///< metres, > 0: distance of the first points from the wall
-  double growth = 1.2;      ///< > 1, from cell to cell after two constant cells
-  Index layers = 0;         ///< cells that follow first_height and growth exactly; 0: the first two
-};
 
 /// What came out of it.
 struct LayerReport {
@@ -35,14 +26,12 @@ struct LayerReport {
 /// The first height is a distance from the wall: along a line that leans, it is divided by the least cosine
 /// to the wall's normals, up to 1.19, the root of the factor at a concave right angle, where distance and
 /// length along the line are then off by 16 and 19 %. On convex edges the line's length is the distance.
+/// Where the sheet of blocks goes on beyond the wall (a wake, the space past a tip; mesh/chord_sheet) the
+/// layers end within two diagonals of the wall's bounding box (grade/blend_layers); farther out lines have
+/// relaxed_spacing.
 /// Precondition: the lines are turned to the wall (volume/wall_normals). Parallel; the same bits for any
-/// number of threads. Throws Error(input) when Index cannot number the points.
+/// number of threads. Throws Error(input) when Index cannot number the points and as chord_sheet does.
 BlockMesh insert_boundary_layers(const BlockMesh& mesh, const WallBlocks& blocks,
                                  const LayerSettings& settings, LayerReport& report);
-
-/// Cell sizes along one line: `lengths` (ascending from 0) is where its points are. With f(s) the wanted size
-/// at s, first height, growth, then the line's own sizes, cell limits are where the integral of 1 / f is a
-/// whole number; the growth is lowered until it is one at the end.
-std::vector<double> graded_cells(std::span<const double> lengths, const LayerSettings& settings);
 
 }  // namespace flowcage

@@ -143,6 +143,21 @@ TEST_CASE("the mesh of a wing is valid, fits and is near its topology's bound") 
   }
 }
 
+TEST_CASE(
+    "layers of a wing end in the wake and past the tip: no face is warped by more than they are thick") {
+  Progress silent;
+  LayerSettings layers;
+  layers.first_height = 1e-5 * 2;
+  const VolumeResult r = mesh_swept_body(make_swept_body("wing_sharp"), "wing_sharp", 2, layers, silent);
+  CHECK(r.validity.inverted == 0);
+  CHECK(r.validity.uncertified == 0);
+  CHECK(r.quality.wrong_pyramids == 0);
+  CHECK(r.quality.non_orthogonality_errors == 0);
+  CHECK(r.quality.skew_faces == 0);
+  CHECK(r.quality.scaled_jacobian.min > 0.24);
+  CHECK(r.quality.scaled_jacobian.mean > 0.9);
+}
+
 TEST_CASE("each vertex of the cut wall has a column of its own") {
   for (const char* name : {"wing_sharp", "wing_blunt"}) {
     INFO(name);
