@@ -84,7 +84,8 @@ class CaseMaker {
                "    div(phi,k) bounded Gauss upwind;\n    div(phi,omega) bounded Gauss upwind;\n"
                "    div((nuEff*dev2(T(grad(U))))) Gauss linear;\n"
                "    div(div(phi,U)) Gauss linear; // potentialFoam -writep\n}\n"
-               "laplacianSchemes { default Gauss linear limited corrected 0.5; }\n"
+               "laplacianSchemes { default Gauss linear limited corrected 0.5; laplacian(1,Phi) Gauss linear "
+               "corrected; }\n"
                "interpolationSchemes { default linear; }\nsnGradSchemes { default limited corrected 0.5; }\n"
                "wallDist { method meshWave; }\n");
     dictionary(
