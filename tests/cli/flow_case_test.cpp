@@ -167,6 +167,14 @@ TEST_CASE("a case's folder that leads elsewhere is refused") {
     CHECK_THAT(e.what(), contains_text("leads out of the case"));
   }
   CHECK(fs::is_empty(elsewhere.path()));
+  const SphereFolder sphere;
+  fs::create_directory(sphere.path() / "case");
+  fs::create_directory_symlink(elsewhere.path(), sphere.path() / "case/system");
+  const ProgramRun refused = sphere.run("mesh", {"--levels", "1", "--case", "-o", "case"});
+  CHECK(refused.exit_code == 5);
+  CHECK_THAT(refused.err, contains_text("case/system: leads out of the case"));
+  CHECK_FALSE(fs::exists(sphere.path() / "case/constant"));
+  CHECK(fs::is_empty(elsewhere.path()));
   // Every file stays inside by its name, whatever the patches are called.
   for (const FoamCaseFile& file : files) {
     CHECK(file.path.is_relative());
