@@ -117,6 +117,33 @@ TEST_CASE("a duct: inlet, outlet, walls and symmetry plane, resolved walls") {
   solved("simpleFoam", folder.path());
 }
 
+TEST_CASE("a pipe of CAD: its inlet and outlet are known before the work and in the case") {
+  const WorkFolder folder;
+  write_cad(make_cylinder(0.5, 2), (folder.path() / "pipe.step").string(), "m");
+  const Strings pipe{"mesh",   "pipe.step", "--flow", "internal",    "--levels", "1",  "--tolerance", "1e-2",
+                     "--case", "--speed",   "2",      "--viscosity", "0.01",     "-o", "case"};
+  const auto with = [&](const Strings& more) {
+    Strings arguments = pipe;
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_flowcage(arguments, {.folder = folder.path()});
+  };
+  const ProgramRun closed = with({});
+  CHECK(closed.exit_code == 3);
+  CHECK_THAT(closed.err, contains_text("neither inlet nor outlet"));
+  CHECK(folder.entries() == Strings{"pipe.step"});
+  const ProgramRun made = with({"--inlet", "face:3", "--outlet", "face:2"});
+  INFO(made.err);
+  REQUIRE(made.exit_code == 0);
+  CHECK_THAT(folder.text_of("case/0/U"),
+             contains_text("inlet { type surfaceNormalFixedValue; refValue uniform -2; }"));
+  CHECK_THAT(folder.text_of("case/0/p"), contains_text("outlet { type fixedValue; value uniform 0; }"));
+  if (!have_program("potentialFoam")) return;
+  const std::string potential = solved("potentialFoam -writephi", folder.path() / "case");
+  CHECK(last_number(potential, "Initial residual = ") < 1e-6);
+  set_iterations(folder.path() / "case", 5);
+  solved("simpleFoam", folder.path() / "case");
+}
+
 TEST_CASE("--case: flows that cannot be are refused before the work") {
   const SphereFolder folder;
   const auto refused = [&](const Strings& rest, int code, const std::string& why) {
