@@ -43,7 +43,9 @@ Offset straighten_cells(CurvedMesh& mesh, std::span<const Vec3> straight) {
   std::vector<std::uint8_t> rounds(curved.size(), 0);  // how often a node was moved
   std::vector<Offset> suspects(static_cast<std::size_t>(mesh.cell_count()));
   std::iota(suspects.begin(), suspects.end(), Offset{0});
-  Offset first = 0;
+  std::vector<char> is_bad(static_cast<std::size_t>(mesh.cell_count()), 0);
+  std::vector<Vec3> best;  // places with the fewest invalid cells so far
+  Offset first = 0, fewest = 0;
   for (int round = 0; round <= most_rounds; ++round) {
     const std::vector<Offset> bad = filtered(mesh, suspects, [&](const std::vector<Index>& nodes) {
       std::vector<Vec3> places;
@@ -51,7 +53,14 @@ Offset straighten_cells(CurvedMesh& mesh, std::span<const Vec3> straight) {
       for (const Index n : nodes) places.push_back(points[n]);
       return curved_jacobian_sign(places, mesh.order) != JacobianSign::positive;
     });
-    if (round == 0) first = static_cast<Offset>(bad.size());
+    for (const Offset cell : suspects) is_bad[cell] = 0;
+    for (const Offset cell : bad) is_bad[cell] = 1;
+    const auto now = static_cast<Offset>(std::ranges::count(is_bad, 1));
+    if (round == 0) first = now;
+    if (round == 0 || now < fewest) {
+      fewest = now;
+      best = points;
+    }
     std::vector<char> moved(curved.size(), 0);
     bool any = false;
     std::vector<Index> nodes(static_cast<std::size_t>(mesh.nodes_per_cell()));
@@ -71,6 +80,7 @@ Offset straighten_cells(CurvedMesh& mesh, std::span<const Vec3> straight) {
       return std::ranges::any_of(of, [&](Index n) { return moved[n] != 0; });
     });
   }
+  points = std::move(best);
   return first;
 }
 
