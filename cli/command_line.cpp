@@ -143,6 +143,14 @@ void check_opposites(const CLI::App& app) {
 void check_out_dir(const CommandSpec& spec, const Options& options) {
   if (!spec.has_out_dir()) return;
   if (options.out_dir.empty()) {
+    const Options defaults;
+    const char* alone = options.jobs != defaults.jobs       ? "--jobs"
+                        : options.format != defaults.format ? "--format"
+                                                            : nullptr;
+    if (alone != nullptr) {
+      throw Error(ErrorKind::usage, fmt::format("{} belongs to --out-dir, which is missing", alone),
+                  "give --out-dir DIR, or leave it out");
+    }
     if (!options.outputs.empty()) return;
     throw Error(ErrorKind::usage, "--output is required",
                 fmt::format("give -o {}, see flowcage {} --help", spec.output_name, spec.name));

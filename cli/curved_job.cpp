@@ -53,6 +53,7 @@ Json curved_json(const CurvedJob& job, double diagonal) {
           {"nodes", job.mesh.nodes.points().size()},
           {"max_wall_distance", job.report.max_wall_distance / diagonal},
           {"max_correction", job.report.max_correction / diagonal},
+          {"straightened_cells", job.report.straightened},
           {"not_positive_cells", job.validity.not_positive},
           {"undecided_cells", job.validity.undecided},
           {"min_jacobian_ratio", job.validity.min_ratio}};

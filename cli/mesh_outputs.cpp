@@ -141,6 +141,7 @@ MeshOutputs::MeshOutputs(const Options& options) : unit_(options.unit), unstruct
       }
       continue;
     }
+    if (options.flow_case) check_case_folder(output.case_folder);
     output.poly_mesh =
         std::make_unique<AtomicFolder>(output.case_folder, "constant/polyMesh", polymesh_entries());
   }

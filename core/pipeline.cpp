@@ -254,14 +254,6 @@ std::vector<PatchSummary> summarise_patches(const BlockMesh& mesh, const WallBlo
   return summaries;
 }
 
-// Inlets and outlets are walls while the blocks follow the CAD there; the solver sees what they are.
-void name_openings(BlockMesh& mesh) {
-  for (std::size_t p = 0; p < mesh.patches().size(); ++p) {
-    if (mesh.patches()[p].type != PatchType::wall) continue;
-    mesh.set_patch_type(p, patch_type_of_name(mesh.patches()[p].name));
-  }
-}
-
 Gate inversion_gate(const QualityReport& quality) {
   const auto& worst = quality.scaled_jacobian.worst;
   return make_gate("inverted_cells", 0, static_cast<double>(quality.inverted_cells),

@@ -2,7 +2,7 @@
 """Rebuilds the velocity of an OpenFOAM case from the fluxes through the faces and writes it into U:
     u = (sum_f n_f S_f^T)^-1 sum_f n_f phi_f    (n_f unit normal, S_f area vector of the cell's face f),
 the formula of OpenFOAM's fvc::reconstruct, which is off in Debian's build (1912): potentialFoam's fluxes are right there,
-the U it writes is not.
+the U it writes is not, on the boundary neither: values there are left out, and OpenFOAM makes them anew from the conditions.
 
     potentialFoam -case CASE -writephi
     velocity_from_phi.py CASE [TIME]        TIME: 0 if it is not given
@@ -87,7 +87,11 @@ def main():
     values = (velocity.astype("f8").tobytes() if binary else
               b"\n".join(b"(%r %r %r)" % tuple(row) for row in velocity.tolist()))
     field = b"internalField nonuniform List<vector>\n%d\n(%s%s);" % (cells, b"" if binary else b"\n", values)
-    path.write_bytes(data[:begin] + field + data[end:])
+    conditions = data[end:]
+    while entry := re.search(rb"\n\s*value\s+nonuniform", conditions):
+        stop = conditions.index(b";", numbers(data[:at] + conditions, at + entry.end(), "f8", 3)[1] - at) + 1
+        conditions = conditions[:entry.start()] + conditions[stop:]
+    path.write_bytes(data[:begin] + field + conditions)
     speed = np.linalg.norm(velocity, axis=1)
     print(f"U of {cells} cells: speed {speed.min():.6g} to {speed.max():.6g}")
 

@@ -15,6 +15,7 @@
 #include "cli/terminal.hpp"
 #include "core/blocks/symmetry_plane.hpp"
 #include "core/grade/wall_units.hpp"
+#include "core/mesh/opening_names.hpp"
 
 namespace flowcage {
 namespace {
@@ -213,7 +214,9 @@ int run_mesh(const Options& given, Progress& terminal) {
   if (options.flow_case) {  // what no flow can start on is refused before the work
     FoamFlow flow;
     flow.direction = flow_direction(options);
-    foam_case_files(BlockMesh(source->blocks().complex), flow);
+    BlockMesh blocks(source->blocks().complex);
+    name_openings(blocks);
+    foam_case_files(blocks, flow);
   }
 
   VolumeResult result = make_volume(*source, inputs.cad, settings, progress);

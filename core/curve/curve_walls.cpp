@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "core/curve/curved_mesh.hpp"
+#include "core/curve/straighten.hpp"
 
 namespace flowcage {
 namespace {
@@ -31,7 +32,8 @@ class WallCurver {
         fixed_(nodes_.points().size(), 0),
         plane_(nodes_.points().size(), no_plane) {}
 
-  CurveReport run() {
+  /// Moves the nodes; `straight`, the nodes on the linear cells, gets the same walls.
+  CurveReport run(std::vector<Vec3>& straight) {
     mark_boundary();
     project_faces();
     project_edges();
@@ -39,9 +41,12 @@ class WallCurver {
     for (std::size_t n = 0; n < shift_.size(); ++n) {
       if (on_cad_[n] != 0) report.max_correction = std::max(report.max_correction, shift_[n].norm());
     }
-    spread();
-    auto& points = nodes_.mutable_points();
-    for (std::size_t n = 0; n < shift_.size(); ++n) points[n] += shift_[n];
+    std::vector<Vec3> straight_shift(shift_.size(), Vec3::Zero());
+    for (std::size_t n = 0; n < shift_.size(); ++n) {
+      if (on_cad_[n] != 0) straight_shift[n] = nodes_.points()[n] + shift_[n] - straight[n];
+    }
+    spread(straight, straight_shift);
+    spread(nodes_.mutable_points(), shift_);
     measure(report);
     return report;
   }
@@ -148,22 +153,26 @@ class WallCurver {
     }
   }
 
-  /// Lines of nodes follow the node on the CAD that they leave.
-  void spread() {
-    std::vector<Vec3> spread(shift_.size(), Vec3::Zero());
+  /// Moves the points of the CAD's nodes by `shift`; lines of nodes follow the one on the CAD that they
+  /// leave.
+  void spread(std::vector<Vec3>& points, const std::vector<Vec3>& shift) const {
+    std::vector<Vec3> spread(shift.size(), Vec3::Zero());
     for (Index block = 0; block < nodes_.block_count(); ++block) {
       for (int face = 0; face < 6; ++face) {
-        if (is_cad(complex_.hex_quads[block][face])) spread_from(block, face, spread);
+        if (is_cad(complex_.hex_quads[block][face])) spread_from(block, face, points, shift, spread);
       }
     }
-    for (std::size_t n = 0; n < shift_.size(); ++n) {
-      if (on_cad_[n] == 0 && fixed_[n] == 0) {
-        shift_[n] = in_plane(static_cast<Index>(n), nodes_.points()[n] + spread[n]) - nodes_.points()[n];
+    for (std::size_t n = 0; n < shift.size(); ++n) {
+      if (on_cad_[n] != 0) {
+        points[n] += shift[n];
+      } else if (fixed_[n] == 0) {
+        points[n] = in_plane(static_cast<Index>(n), points[n] + spread[n]);
       }
     }
   }
 
-  void spread_from(Index block, int face, std::vector<Vec3>& spread) const {
+  void spread_from(Index block, int face, const std::vector<Vec3>& points, const std::vector<Vec3>& shift,
+                   std::vector<Vec3>& spread) const {
     const auto dims = nodes_.dims(block);
     const int d = face / 2, a = (d + 1) % 3, b = (d + 2) % 3;
     std::vector<Index> line(static_cast<std::size_t>(dims[d]) + 1);
@@ -174,10 +183,9 @@ class WallCurver {
         for (Index k = 0; k <= dims[d]; ++k) {
           x[d] = face % 2 == 0 ? k : dims[d] - k;
           line[k] = nodes_.point_number(block, x[0], x[1], x[2]);
-          length[k] =
-              k == 0 ? 0 : length[k - 1] + (nodes_.points()[line[k]] - nodes_.points()[line[k - 1]]).norm();
+          length[k] = k == 0 ? 0 : length[k - 1] + (points[line[k]] - points[line[k - 1]]).norm();
         }
-        const Vec3& from = shift_[line[0]];
+        const Vec3& from = shift[line[0]];
         for (std::size_t k = 1; k < line.size() && length.back() > 0; ++k) {
           const Vec3 share = (1 - length[k] / length.back()) * from;
           if (share.squaredNorm() > spread[line[k]].squaredNorm()) spread[line[k]] = share;
@@ -216,8 +224,12 @@ CurvedMesh make_curved_mesh(const BlockMesh& mesh, const TargetSurface& target, 
                             CurveReport& report, Progress& progress) {
   progress.step("curve", 0);
   CurvedMesh curved = interpolated_mesh(mesh, order);
-  progress.step("curve", 0.5);
-  report = WallCurver(mesh, target, curved).run();
+  progress.step("curve", 0.3);
+  const CurvedMesh linear = interpolated_mesh(mesh, order, false);
+  std::vector<Vec3> straight(linear.nodes.points().begin(), linear.nodes.points().end());
+  report = WallCurver(mesh, target, curved).run(straight);
+  progress.step("curve", 0.6);
+  report.straightened = straighten_cells(curved, straight);
   return curved;
 }
 

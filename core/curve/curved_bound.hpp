@@ -22,8 +22,8 @@ JacobianSign curved_jacobian_sign(std::span<const Vec3> nodes, int order, int ma
 struct CurvedValidity {
   Offset not_positive = 0;  ///< cells where det J <= 0 at a point that was found
   Offset undecided = 0;     ///< cells not proved positive
-  double min_ratio = 1;     ///< least over the cells: least Bernstein coefficient / largest; 1: affine
-  Offset worst_cell = 0;    ///< where that is
+  double min_ratio = 1;   ///< least over the cells: least Bernstein coefficient / largest, unsplit; 1: affine
+  Offset worst_cell = 0;  ///< where that is
   Vec3 worst_place = Vec3::Zero();
 };
 

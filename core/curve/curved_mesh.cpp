@@ -27,12 +27,14 @@ Vec3 limited(const Vec3& slope, double before, double after) {
   return length <= most ? slope : Vec3(slope * (most / length));
 }
 
-/// A polyline with `order` - 1 points more in each segment, on its cubic Hermite curve.
-std::vector<Vec3> refined_line(const std::vector<Vec3>& p, int order) {
+/// A polyline with `order` - 1 points more in each segment, on its cubic Hermite curve or (not `smooth`) on
+/// the segment itself.
+std::vector<Vec3> refined_line(const std::vector<Vec3>& p, int order, bool smooth) {
   const std::size_t segments = p.size() - 1;
   const auto length = [&](std::size_t s) { return (p[s + 1] - p[s]).norm(); };
   std::vector<Vec3> slope(p.size());
   for (std::size_t i = 0; i < p.size(); ++i) {
+    if (!smooth) continue;
     if (segments == 1) {
       slope[i] = p[1] - p[0];
     } else if (i == 0) {
@@ -49,6 +51,10 @@ std::vector<Vec3> refined_line(const std::vector<Vec3>& p, int order) {
     fine.push_back(p[s]);
     for (int a = 1; a < order; ++a) {
       const double t = static_cast<double>(a) / order, u = 1 - t;
+      if (!smooth) {
+        fine.push_back(u * p[s] + t * p[s + 1]);
+        continue;
+      }
       fine.push_back(u * u * (1 + 2 * t) * p[s] + t * t * (3 - 2 * t) * p[s + 1] + t * u * u * slope[s] -
                      t * t * u * slope[s + 1]);
     }
@@ -57,7 +63,7 @@ std::vector<Vec3> refined_line(const std::vector<Vec3>& p, int order) {
   return fine;
 }
 
-Lattice refined_along(const Lattice& coarse, int d, int order) {
+Lattice refined_along(const Lattice& coarse, int d, int order, bool smooth) {
   Lattice fine;
   fine.size = coarse.size;
   fine.size[d] = (coarse.size[d] - 1) * order + 1;
@@ -70,7 +76,7 @@ Lattice refined_along(const Lattice& coarse, int d, int order) {
     for (x[a] = 0; x[a] < coarse.size[a]; ++x[a]) {
       for (x[d] = 0; x[d] < coarse.size[d]; ++x[d])
         line[static_cast<std::size_t>(x[d])] = coarse.points[coarse.at(x)];
-      const std::vector<Vec3> points = refined_line(line, order);
+      const std::vector<Vec3> points = refined_line(line, order, smooth);
       for (x[d] = 0; x[d] < fine.size[d]; ++x[d])
         fine.points[fine.at(x)] = points[static_cast<std::size_t>(x[d])];
     }
@@ -80,7 +86,7 @@ Lattice refined_along(const Lattice& coarse, int d, int order) {
 
 }  // namespace
 
-CurvedMesh interpolated_mesh(const BlockMesh& mesh, int order) {
+CurvedMesh interpolated_mesh(const BlockMesh& mesh, int order, bool smooth) {
   std::vector<Index> divisions = mesh.chord_divisions();
   for (Index& n : divisions) n *= order;
   const Index count = BlockMesh::point_count(mesh.complex(), divisions);
@@ -99,7 +105,7 @@ CurvedMesh interpolated_mesh(const BlockMesh& mesh, int order) {
         }
       }
     }
-    for (int d = 0; d < 3; ++d) lattice = refined_along(lattice, d, order);
+    for (int d = 0; d < 3; ++d) lattice = refined_along(lattice, d, order, smooth);
     std::size_t next = 0;
     for (x[2] = 0; x[2] < lattice.size[2]; ++x[2]) {
       for (x[1] = 0; x[1] < lattice.size[1]; ++x[1]) {

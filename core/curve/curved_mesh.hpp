@@ -29,6 +29,7 @@ struct CurveReport {
   double max_wall_distance = 0;  ///< of a node of the CAD's patches from the CAD, metres
   Vec3 worst_place = Vec3::Zero();
   double max_correction = 0;  ///< largest way of such a node from its interpolated place, metres
+  Offset straightened = 0;    ///< cells that were not valid until their inner nodes were straightened
 };
 
 /// The curved mesh of a linear one whose walls lie on `target`. Nodes first follow the lattice lines of each
@@ -37,12 +38,14 @@ struct CurveReport {
 /// order. Then the nodes of walls, inlets and outlets go to their nearest points of the CAD, those of sharp
 /// edges of the blocks to the CAD's feature chain along which the edge runs (where there is one), those in a
 /// symmetry plane to the CAD's trace in it; the lines of nodes that leave them follow, by a share that falls
-/// from 1 to 0 along the line's length. The linear mesh's own points stay. Same bits for any number of
-/// threads. Precondition: 2 <= order <= 4. Throws Error(input) when Index cannot number the nodes.
+/// from 1 to 0 along the line's length. Where a cell is not valid then, its inner nodes go back toward the
+/// places that the linear mesh and the curved walls alone give them (curve/straighten). The linear mesh's own
+/// points stay. Same bits for any number of threads. Precondition: 2 <= order <= 4. Throws Error(input) when
+/// Index cannot number the nodes.
 CurvedMesh make_curved_mesh(const BlockMesh& mesh, const TargetSurface& target, int order,
                             CurveReport& report, Progress& progress);
 
-/// The first step alone: no CAD.
-CurvedMesh interpolated_mesh(const BlockMesh& mesh, int order);
+/// The first step alone: no CAD. Not `smooth`: the nodes lie on the linear cells.
+CurvedMesh interpolated_mesh(const BlockMesh& mesh, int order, bool smooth = true);
 
 }  // namespace flowcage

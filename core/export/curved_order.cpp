@@ -11,9 +11,9 @@ using Place = std::array<int, 2>;  ///< (u, v) in a square of n x n nodes
 using Corners = std::array<int, 4>;
 
 std::vector<Place> rows(int n) {
-  std::vector<Place> out;
+  std::vector<Place> out(static_cast<std::size_t>(n) * static_cast<std::size_t>(n));
   for (int v = 0; v < n; ++v) {
-    for (int u = 0; u < n; ++u) out.push_back({u, v});
+    for (int u = 0; u < n; ++u) out[u + n * v] = {u, v};
   }
   return out;
 }
@@ -23,6 +23,7 @@ std::vector<Place> spiral(int n) {
   if (n <= 0) return {};
   if (n == 1) return {{0, 0}};
   std::vector<Place> out;
+  out.reserve(static_cast<std::size_t>(n) * static_cast<std::size_t>(n));
   const int last = n - 1;
   for (int a = 0; a < last; ++a) out.push_back({a, 0});
   for (int a = 0; a < last; ++a) out.push_back({last, a});
@@ -86,6 +87,7 @@ class HexOrder {
 
 std::vector<int> quad_of(const std::vector<Place>& places, int order) {
   std::vector<int> out;
+  out.reserve(places.size());
   for (const auto& [u, v] : places) out.push_back(u + (order + 1) * v);
   return out;
 }
@@ -150,7 +152,7 @@ CurvedOrder cgns_order(int order) {
   }
   // Corners and edges of a quad are those of `nested`, inside it is a spiral.
   std::vector<Place> quad = nested(order + 1);
-  quad.resize(static_cast<std::size_t>(4 * order));
+  quad.resize(4 * static_cast<std::size_t>(order));
   for (const auto& [u, v] : spiral(order - 1)) quad.push_back({u + 1, v + 1});
   return {hex.take(), quad_of(quad, order)};
 }

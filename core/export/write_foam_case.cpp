@@ -84,7 +84,8 @@ class CaseMaker {
                "    div(phi,k) bounded Gauss upwind;\n    div(phi,omega) bounded Gauss upwind;\n"
                "    div((nuEff*dev2(T(grad(U))))) Gauss linear;\n"
                "    div(div(phi,U)) Gauss linear; // potentialFoam -writep\n}\n"
-               "laplacianSchemes { default Gauss linear limited corrected 0.5; }\n"
+               "laplacianSchemes { default Gauss linear limited corrected 0.5; laplacian(1,Phi) Gauss linear "
+               "corrected; }\n"
                "interpolationSchemes { default linear; }\nsnGradSchemes { default limited corrected 0.5; }\n"
                "wallDist { method meshWave; }\n");
     dictionary(
@@ -183,34 +184,38 @@ class CaseMaker {
   std::vector<FoamCaseFile> files_;
 };
 
-/// A folder of the case, made if it is missing; a link must not lead out of the case.
-void require_folder_inside(const fs::path& case_folder, const fs::path& folder) {
-  std::error_code failed;
-  fs::create_directories(folder, failed);
-  const fs::path root = fs::canonical(case_folder, failed);
-  const fs::path real = failed ? fs::path() : fs::canonical(folder, failed);
-  if (failed) {
-    throw Error(ErrorKind::output,
-                fmt::format("{}: cannot make the folder: {}", folder.string(), failed.message()),
-                "choose another place with -o");
-  }
-  if (std::mismatch(root.begin(), root.end(), real.begin(), real.end()).first == root.end()) return;
-  throw Error(ErrorKind::output,
-              fmt::format("{}: leads out of the case, to {}", folder.string(), real.string()),
-              "remove the link, or choose another place with -o");
-}
-
 }  // namespace
 
 std::vector<FoamCaseFile> foam_case_files(const HexView& mesh, const FoamFlow& flow) {
   return CaseMaker(mesh, flow).files();
 }
 
+void check_case_folder(const fs::path& case_folder) {
+  std::error_code ignored;
+  const fs::path root = fs::weakly_canonical(fs::absolute(case_folder), ignored).lexically_normal();
+  for (const char* name : {"0", "constant", "system"}) {
+    const fs::path folder = case_folder / name, real = fs::weakly_canonical(fs::absolute(folder), ignored);
+    const auto inside = real.lexically_relative(root);
+    if (!inside.empty() && *inside.begin() != "..") continue;
+    throw Error(ErrorKind::output,
+                fmt::format("{}: leads out of the case, to {}", folder.string(), real.string()),
+                "remove the link, or choose another place with -o");
+  }
+}
+
 void write_foam_case(const fs::path& case_folder, const std::vector<FoamCaseFile>& files) {
   if (files.empty()) return;
+  check_case_folder(case_folder);
   std::set<fs::path> folders;
   for (const FoamCaseFile& file : files) folders.insert(case_folder / file.path.parent_path());
-  for (const fs::path& folder : folders) require_folder_inside(case_folder, folder);
+  for (const fs::path& folder : folders) {
+    std::error_code failed;
+    fs::create_directories(folder, failed);
+    if (!failed) continue;
+    throw Error(ErrorKind::output,
+                fmt::format("{}: cannot make the folder: {}", folder.string(), failed.message()),
+                "choose another place with -o");
+  }
   std::vector<std::unique_ptr<AtomicFile>> stored;
   for (const FoamCaseFile& file : files) {
     const fs::path target = case_folder / file.path;

@@ -39,6 +39,10 @@ struct FoamCaseFile {
 /// or a free stream through a symmetry plane.
 std::vector<FoamCaseFile> foam_case_files(const HexView& mesh, const FoamFlow& flow);
 
+/// Refuses a case folder with a folder of the case that is a link to a place outside of it. Throws
+/// Error(output). To be called before long work.
+void check_case_folder(const std::filesystem::path& case_folder);
+
 /// Writes them below `case_folder`, replacing older ones, each whole or not at all; the results of an earlier
 /// run in 0 (phi, which would be read) are removed. Throws Error(output), also where a folder of the case is
 /// a link that leads out of it.

@@ -19,4 +19,11 @@ PatchType patch_type_of_name(std::string_view name) {
   return PatchType::wall;
 }
 
+void name_openings(BlockMesh& mesh) {
+  for (std::size_t p = 0; p < mesh.patches().size(); ++p) {
+    if (mesh.patches()[p].type != PatchType::wall) continue;
+    mesh.set_patch_type(p, patch_type_of_name(mesh.patches()[p].name));
+  }
+}
+
 }  // namespace flowcage

@@ -1,7 +1,7 @@
 #pragma once
 #include <string_view>
 
-#include "core/mesh/hex_view.hpp"
+#include "core/mesh/block_mesh.hpp"
 
 namespace flowcage {
 
@@ -9,5 +9,9 @@ namespace flowcage {
 /// in any case and with a number behind ("Inlet", "outlet_2", "OUTFLOW 3"), otherwise wall. Other words
 /// ("inlet_lip") are names of walls.
 PatchType patch_type_of_name(std::string_view name);
+
+/// Gives the walls of a mesh the types that their names say: inlets and outlets are walls while the blocks
+/// follow the CAD there, the solver sees what they are.
+void name_openings(BlockMesh& mesh);
 
 }  // namespace flowcage

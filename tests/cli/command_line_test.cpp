@@ -118,6 +118,13 @@ TEST_CASE("wrong usage: exit 2 and what was meant") {
   check_error(run_flowcage({"mesh", "a", "--snap", "--no-snap", "-o", "x"}), 2, "exclude", "one of them");
 }
 
+TEST_CASE("outputs go to -o or to --out-dir") {
+  check_error(run_flowcage({"mesh", "a.step"}), 2, "--output is required", "-o OUT");
+  check_error(run_flowcage({"mesh", "a.step", "-o", "x", "--jobs", "2"}), 2, "--jobs belongs to --out-dir",
+              "");
+  check_error(run_flowcage({"mesh", "a.step", "-o", "x", "--format", "msh"}), 2, "--format belongs to", "");
+}
+
 TEST_CASE("y+ needs what it is made with, and excludes a first height") {
   check_error(run_flowcage({"mesh", "a.step", "--yplus", "1", "-o", "x"}), 2, "--reynolds and --length", "");
   check_error(run_flowcage({"mesh", "a.step", "--yplus", "1", "--reynolds", "1e6", "-o", "x"}), 2,

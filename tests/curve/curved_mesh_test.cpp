@@ -4,6 +4,7 @@
 
 #include "core/curve/curved_bound.hpp"
 #include "core/curve/curved_mesh.hpp"
+#include "core/curve/straighten.hpp"
 #include "core/export/structured_blocks.hpp"
 #include "core/target/analytic_surfaces.hpp"
 #include "tests/catch.hpp"
@@ -203,4 +204,27 @@ TEST_CASE("nodes between lattice points: fourth order on smooth lattices, thin l
           curved.nodes.points()[curved.nodes.point_number(0, 0, 0, k + 1)].z());
   }
   CHECK(measure_curved_validity(curved).not_positive == 0);
+}
+
+TEST_CASE("cells that are not valid are straightened, nodes that are the same in both stay") {
+  const HexMesh box = box_mesh({3, 3, 3});
+  for (int order = 2; order <= 4; ++order) {
+    CAPTURE(order);
+    CurvedMesh mesh = interpolated_mesh(blocks_of_cells(box), order);
+    const std::vector<Vec3> straight(mesh.nodes.points().begin(), mesh.nodes.points().end());
+    std::vector<Index> nodes(static_cast<std::size_t>(mesh.nodes_per_cell()));
+    mesh.read_cell(13, nodes);  // the middle cell: folded by a node of its face to cell 12
+    const Index folded = nodes[(order + 1) * (1 + (order + 1))];
+    mesh.nodes.mutable_points()[folded].x() += 0.4;
+    mesh.read_cell(0, nodes);  // far from it, bent but valid
+    const Index bent = nodes[1];
+    mesh.nodes.mutable_points()[bent].y() -= 0.02;
+    const Vec3 place = mesh.nodes.points()[bent];
+    REQUIRE(measure_curved_validity(mesh).not_positive > 0);
+    CHECK(straighten_cells(mesh, straight) > 0);
+    CHECK(measure_curved_validity(mesh).not_positive == 0);
+    CHECK(measure_curved_validity(mesh).undecided == 0);
+    CHECK(mesh.nodes.points()[bent] == place);
+    CHECK(mesh.nodes.points()[folded].x() - straight[folded].x() < 0.21);
+  }
 }
