@@ -16,6 +16,10 @@ class MeshOutputs {
   /// Throws Error(usage) for a name that is no mesh format: to be called before long work.
   static void check_formats(const std::vector<std::string>& names);
 
+  /// Bytes that a mesh of so many cells takes on the disk in the format of `name`: exact to a few percent for
+  /// binary formats, with numbers of usual length for text.
+  static double predicted_bytes(const std::string& name, double cells, bool unstructured);
+
   /// Opens every output, so that a place that cannot be written shows at once. Throws Error(output), and as
   /// check_formats.
   explicit MeshOutputs(const Options& options);
