@@ -25,6 +25,10 @@ class MeshOutputs {
   /// Whether the format of a name can hold curved cells.
   static bool holds_curved(const std::string& name);
 
+  /// Bytes that a mesh of so many cells takes on the disk in the format of `name`: exact to a few percent for
+  /// binary formats, with numbers of usual length for text.
+  static double predicted_bytes(const std::string& name, double cells, bool unstructured);
+
   /// Opens every output, so that a place that cannot be written shows at once. Throws Error(output), and as
   /// check_formats.
   explicit MeshOutputs(const Options& options);

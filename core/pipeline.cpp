@@ -1,7 +1,6 @@
 #include "core/pipeline.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -113,41 +112,6 @@ int level_for_cells(const BlockSource& source, const VolumeSettings& settings) {
     least = next;
   }
   return best;
-}
-
-// What a job makes at its last level, and the memory that takes: peaks measured on the examples.
-struct Demand {
-  double faces = 0, cells = 0, samples = 0;
-
-  double bytes() const { return 46e3 * faces + 600 * cells + 800 * samples; }
-  bool fits() const {
-    constexpr double most_points = 2e9;  // an Index numbers them
-    const double memory =
-        static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGE_SIZE));
-    return bytes() <= memory && std::max(cells, samples) < most_points;
-  }
-};
-
-// The levels to do. Asked for (no tolerance), they are done or refused; otherwise they are only a bound,
-// which comes down to what the machine holds. `demand` is that of a level, none is tried below `least`.
-template <typename DemandOfLevel>
-int affordable_levels(const FitSettings& fit, int least, const std::string& cage_name,
-                      const DemandOfLevel& demand) {
-  int most = std::max(fit.levels, least);
-  while (most > least && !demand(most).fits()) --most;
-  const bool asked = fit.tolerance <= 0;
-  const int wanted = asked ? std::max(fit.levels, least) : most;
-  const Demand needed = demand(wanted);
-  if (needed.fits()) return wanted;
-  std::string makes = fmt::format("{:.3g} faces", needed.faces);
-  if (needed.cells > 0) makes += fmt::format(" and {:.3g} cells", needed.cells);
-  if (needed.samples > 0) makes += fmt::format(" in {:.3g} samples", needed.samples);
-  throw Error(
-      ErrorKind::usage,
-      fmt::format("--levels: {} level(s) of {} make {}, about {:.3g} GB: more than this machine holds",
-                  wanted, cage_name, makes, needed.bytes() / 1e9),
-      demand(most).fits() ? fmt::format("ask for fewer: {} level(s) fit", most)
-                          : std::string("give a coarser cage or a larger machine"));
 }
 
 struct ShapedMesh {
@@ -289,12 +253,14 @@ bool all_hold(const std::vector<Gate>& gates) {
 SurfaceResult make_surface(const Cage& cage, const TargetSurface& target, const SurfaceSettings& settings,
                            Progress& progress) {
   FitSettings fit_settings = settings.fit;
-  fit_settings.levels = affordable_levels(settings.fit, 0, cage.source, [&](int level) {
+  const auto at_level = [&](int level) {
     const double faces = level == 0
                              ? static_cast<double>(cage.faces.size())
                              : std::ldexp(static_cast<double>(cage.faces.values.size()), 2 * (level - 1));
-    return Demand{faces, 0, settings.sample > 0 ? std::ldexp(faces, 2 * settings.sample) : 0};
-  });
+    return Prediction{.faces = faces,
+                      .samples = settings.sample > 0 ? std::ldexp(faces, 2 * settings.sample) : 0};
+  };
+  fit_settings.levels = affordable_levels(settings.fit, 0, cage.source, at_level).levels;
   SurfaceResult result;
   result.fit = fit_surface(cage, target, fit_settings, progress);
   const FittedLevel& last = result.fit.levels.back();
@@ -321,12 +287,15 @@ VolumeResult make_volume(const BlockSource& source, const TargetSurface& target,
     fit_settings.levels = level_for_cells(source, settings);
     fit_settings.tolerance = 0;  // a tolerance that is met earlier is no reason for fewer cells
   }
-  fit_settings.levels =
-      affordable_levels(fit_settings, source.fit_level(), source.cage().source, [&](int level) {
-        const double faces = std::ldexp(static_cast<double>(source.blocks().wall.face_count()),
-                                        2 * (level - source.fit_level()));
-        return Demand{faces, cells_at_level(source, settings.layers, level), 0};
-      });
+  const auto at_level = [&](int level) {
+    const double faces =
+        std::ldexp(static_cast<double>(source.blocks().wall.face_count()), 2 * (level - source.fit_level()));
+    return Prediction{.faces = faces, .cells = cells_at_level(source, settings.layers, level)};
+  };
+  const Prediction prediction =
+      affordable_levels(fit_settings, source.fit_level(), source.cage().source, at_level);
+  fit_settings.levels = prediction.levels;
+  if (settings.predicted) settings.predicted(prediction);
 
   const auto fit_start = Clock::now();
   SurfaceFit fit = fit_surface(source.cage(), target, fit_settings, progress);

@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "core/mesh/block_mesh.hpp"
 #include "core/mesh/cage.hpp"
 #include "core/optimise/hex_validity.hpp"
+#include "core/prediction.hpp"
 #include "core/quality/quality_report.hpp"
 #include "core/quality/topology_bound.hpp"
 #include "core/refit/fit_surface.hpp"
@@ -54,7 +56,8 @@ struct VolumeSettings {
   double tolerance = 1e-4;
   bool snap = true;
   LayerSettings layers;  ///< first height 0: cells at the wall as high as they are wide
-  Offset cells = 0;      ///< > 0: refine to the level nearest to so many cells, whatever fit.levels says
+  std::function<void(const Prediction&)> predicted;  ///< called before the work; what it throws ends it
+  Offset cells = 0;  ///< > 0: refine to the level nearest to so many cells, whatever fit.levels says
 };
 
 /// What an engineer looks at first, per boundary patch.

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "cli/cad_json.hpp"
+#include "cli/check_prediction.hpp"
 #include "cli/commands/commands.hpp"
 #include "cli/curved_job.hpp"
 #include "cli/fit_job.hpp"
@@ -206,7 +207,12 @@ int run_mesh(const Options& given, Progress& terminal) {
   check_route(options);
   const FitInputs inputs = read_fit_inputs(options, progress);
   if (inputs.drawn) check_symmetry(options, inputs.cage);
-  const VolumeSettings settings = volume_settings(options, inputs);
+  VolumeSettings settings = volume_settings(options, inputs);
+  Prediction prediction;
+  settings.predicted = [&](const Prediction& found) {
+    prediction = found;
+    check_prediction(found, options);
+  };
   const std::unique_ptr<BlockSource> source = block_source(options, inputs, progress);
   MeshOutputs outputs(options);
   const std::unique_ptr<AtomicFile> json_file = open_json(options);
@@ -229,15 +235,18 @@ int run_mesh(const Options& given, Progress& terminal) {
   if (fit_report.wanted()) scene = volume_scene(inputs.cad, result, options.tolerance);
   if (write) {
     const double scale = 1 / metres_per_unit(options.unit);
-    for (Vec3& p : result.mesh.mutable_points()) p *= scale;
-    for (double& d : result.deviation) d *= scale;
-    if (curved) {
-      for (Vec3& p : curved->mesh.nodes.mutable_points()) p *= scale;
+    if (scale != 1) {
+      for (Vec3& p : result.mesh.mutable_points()) p *= scale;
+      for (double& d : result.deviation) d *= scale;
+      if (curved) {
+        for (Vec3& p : curved->mesh.nodes.mutable_points()) p *= scale;
+      }
     }
     if (options.flow_case) outputs.set_flow(flow_of(options, result, inputs.cad.diagonal()));
     outputs.write(result.mesh, result.deviation, progress, curved ? &curved->mesh : nullptr);
   }
   Json json = report(options, inputs, *source, result);
+  json["prediction"] = prediction_json(prediction, options);
   if (curved) json["curved"] = curved_json(*curved, inputs.cad.diagonal());
   if (scene) {
     fit_report.write({.command = "mesh", .options = options, .warnings = progress.messages(), .facts = json},

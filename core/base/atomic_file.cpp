@@ -266,7 +266,7 @@ void AtomicFile::commit() {
 }
 
 AtomicFolder::AtomicFolder(const fs::path& base, const fs::path& inside, std::vector<std::string> replaced)
-    : shown_as_(base.string()), replaced_(std::move(replaced)) {
+    : inside_(inside), shown_as_(base.string()), replaced_(std::move(replaced)) {
   // "case/" and "case" are the same folder.
   const fs::path folder = base.filename().empty() ? base.parent_path() : base;
   if (folder.empty()) throw_output_error(shown_as_, ENOENT);
@@ -298,7 +298,7 @@ AtomicFolder::~AtomicFolder() {
 }
 
 std::unique_ptr<OutputFile> AtomicFolder::create(const std::string& name) {
-  return std::make_unique<OutputFile>(path_ / name, (target_ / name).string());
+  return std::make_unique<OutputFile>(path_ / name, (fs::path(shown_as_) / inside_ / name).string());
 }
 
 void AtomicFolder::commit() {

@@ -76,7 +76,7 @@ class AtomicFolder {
   void commit();
 
  private:
-  std::filesystem::path target_, path_;
+  std::filesystem::path target_, path_, inside_;
   std::string shown_as_;
   std::vector<std::string> replaced_;
   bool committed_ = false;

@@ -1,6 +1,7 @@
 #include "tests/cli/run_program.hpp"
 
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -27,6 +28,12 @@ fs::path fresh_name() {
          ("flowcage_cli_" + std::to_string(::getpid()) + "_" + std::to_string(counter++));
 }
 
+void limit(__rlimit_resource_t what, long value) {
+  if (value < 0) return;
+  const rlimit both{static_cast<rlim_t>(value), static_cast<rlim_t>(value)};
+  if (::setrlimit(what, &both) != 0) ::_exit(125);
+}
+
 [[noreturn]] void become_program(const std::vector<std::string>& arguments, const RunSettings& settings,
                                  const fs::path& out, const fs::path& err) {
   const int out_fd = ::open(out.c_str(), O_WRONLY | O_CREAT, 0600);
@@ -35,6 +42,12 @@ fs::path fresh_name() {
   ::dup2(out_fd, STDOUT_FILENO);
   ::dup2(err_fd, STDERR_FILENO);
   if (!settings.folder.empty() && ::chdir(settings.folder.c_str()) != 0) ::_exit(126);
+  limit(RLIMIT_FSIZE, settings.file_limit);
+  limit(RLIMIT_AS, settings.memory_limit);
+  constexpr uid_t nobody = 65534;
+  if (settings.unprivileged && ::geteuid() == 0 && (::setgid(nobody) != 0 || ::setuid(nobody) != 0)) {
+    ::_exit(124);
+  }
   std::vector<char*> argv{const_cast<char*>("flowcage")};
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);

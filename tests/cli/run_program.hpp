@@ -19,6 +19,9 @@ struct RunSettings {
   double signal_delay = 0;
   double timeout = 120;       ///< seconds until it is killed
   std::string stdout_file{};  ///< instead of capturing it
+  long file_limit = -1;       ///< bytes: largest file that it may write; -1: none
+  long memory_limit = -1;     ///< bytes of its address space; -1: none
+  bool unprivileged = false;  ///< as user nobody where the tests run as root, whom no permission stops
 };
 
 /// Runs flowcage with these arguments and waits for it.
