@@ -106,6 +106,7 @@ MeshOutputs::MeshOutputs(const Options& options) : unit_(options.unit), unstruct
 }
 
 MeshOutputs::~MeshOutputs() = default;
+MeshOutputs::MeshOutputs(MeshOutputs&&) noexcept = default;
 
 void MeshOutputs::write(const HexView& mesh, const std::vector<double>& deviation, Progress& progress) {
   std::set<std::string> said;  // every format carries the same names, so they have the same notes

@@ -20,6 +20,7 @@ class MeshOutputs {
   /// check_formats.
   explicit MeshOutputs(const Options& options);
   ~MeshOutputs();
+  MeshOutputs(MeshOutputs&&) noexcept;
 
   /// Writes every output: the structured formats with the blocks of a BlockMesh, merged; of another mesh the
   /// cells are merged to blocks. `deviation` is a field on the points, or empty. Notes go to progress.warn,

@@ -6,6 +6,7 @@
 
 #include "cli/cad_json.hpp"
 #include "cli/commands/commands.hpp"
+#include "cli/family_outputs.hpp"
 #include "cli/fit_job.hpp"
 #include "cli/mesh_outputs.hpp"
 #include "cli/report/fit_report.hpp"
@@ -150,6 +151,7 @@ VolumeSettings volume_settings(const Options& options, const FitInputs& inputs) 
   if (options.growth) settings.layers.growth = *options.growth;
   if (options.layers) settings.layers.layers = *options.layers;
   settings.cells = options.cells.value_or(0);
+  settings.family = options.family;
   return settings;
 }
 
@@ -166,6 +168,13 @@ Json report(const Options& options, const FitInputs& inputs, const BlockSource& 
                                     {"max", result.layers.max_height * scale},
                                     {"asked", options.first_height.value_or(0)}};
   json["volume"]["max_growth"] = result.layers.max_growth;
+  if (!result.coarser.empty()) {  // coarsest first, as the files are numbered
+    json["family"] = Json::array();
+    for (auto member = result.coarser.rbegin(); member != result.coarser.rend(); ++member) {
+      json["family"].push_back(volume_json(member->quality));
+    }
+    json["family"].push_back(volume_json(result.quality));
+  }
   json["patches"] = Json::array();
   for (const PatchSummary& p : result.patches) {
     Json patch{{"name", p.name}, {"type", patch_type_name(p.type)}, {"faces", p.faces}};
@@ -191,6 +200,15 @@ void warn_of_first_height(const Options& options, const LayerReport& layers, Pro
                   asked, options.unit, low, high, options.unit));
 }
 
+/// Scales a mesh to the unit of the output and writes it.
+void write_in_unit(BlockMesh& mesh, std::vector<double>& deviation, const Options& options,
+                   MeshOutputs& outputs, Progress& progress) {
+  const double scale = 1 / metres_per_unit(options.unit);
+  for (Vec3& p : mesh.mutable_points()) p *= scale;
+  for (double& d : deviation) d *= scale;
+  outputs.write(mesh, deviation, progress);
+}
+
 }  // namespace
 
 int run_mesh(const Options& given, Progress& terminal) {
@@ -203,7 +221,12 @@ int run_mesh(const Options& given, Progress& terminal) {
   if (inputs.drawn) check_symmetry(options, inputs.cage);
   const VolumeSettings settings = volume_settings(options, inputs);
   const std::unique_ptr<BlockSource> source = block_source(options, inputs, progress);
-  MeshOutputs outputs(options);
+  std::vector<MeshOutputs> outputs;  // of the family's meshes, coarsest first
+  for (const std::vector<std::string>& names : family_outputs(options)) {
+    Options member = options;
+    member.outputs = names;
+    outputs.emplace_back(member);
+  }
   const std::unique_ptr<AtomicFile> json_file = open_json(options);
   FitReport fit_report(options);
 
@@ -214,10 +237,11 @@ int run_mesh(const Options& given, Progress& terminal) {
   std::optional<Scene> scene;  // before the mesh is scaled
   if (fit_report.wanted()) scene = volume_scene(inputs.cad, result, options.tolerance);
   if (write) {
-    const double scale = 1 / metres_per_unit(options.unit);
-    for (Vec3& p : result.mesh.mutable_points()) p *= scale;
-    for (double& d : result.deviation) d *= scale;
-    outputs.write(result.mesh, result.deviation, progress);
+    write_in_unit(result.mesh, result.deviation, options, outputs.back(), progress);
+    for (std::size_t n = 0; n < result.coarser.size(); ++n) {
+      FamilyMember& member = result.coarser[n];
+      write_in_unit(member.mesh, member.deviation, options, outputs[outputs.size() - 2 - n], progress);
+    }
   }
   Json json = report(options, inputs, *source, result);
   if (scene) {
@@ -231,7 +255,9 @@ int run_mesh(const Options& given, Progress& terminal) {
     json["peak_memory_bytes"] = peak_memory_bytes();
     write_json(json, *json_file);
   }
-  if (write) outputs.commit();
+  if (write) {
+    for (MeshOutputs& member : outputs) member.commit();
+  }
   if (json_file) json_file->commit();
   fit_report.commit();
   if (!options.quiet) print_summary(volume_summary(result, inputs.cad.diagonal(), options));

@@ -13,6 +13,7 @@ namespace flowcage {
 struct FitSettings {
   int levels = 3;        ///< subdivision levels after the cage
   double tolerance = 0;  ///< stop refining below this deviation (relative to the diagonal); 0: do all levels
+  int least_levels = 0;  ///< levels to do however soon the tolerance is met
   int max_passes = 12;   ///< project-refit passes a level; coarse levels go two ways of as many
   int max_cgls_iterations = 60;
   bool tangent_distance = true;  ///< minimise distances to tangent planes (Gauss-Newton, Wang, Pottmann & Liu
