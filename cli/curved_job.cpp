@@ -14,6 +14,10 @@ constexpr double node_tolerance = 1e-6;  // of the diagonal: as near as sewn CAD
 
 void check_order(const Options& options) {
   if (options.order == 1) return;
+  if (options.family > 1) {
+    throw Error(ErrorKind::usage, "--order makes curved cells of one mesh, --family makes several",
+                "leave one of the two out");
+  }
   if (!options.snap) {
     throw Error(ErrorKind::usage, "--order puts wall nodes on the CAD, --no-snap leaves the vertices off it",
                 "leave one of them out");

@@ -170,6 +170,7 @@ MeshOutputs::MeshOutputs(const Options& options) : unit_(options.unit), unstruct
 }
 
 MeshOutputs::~MeshOutputs() = default;
+MeshOutputs::MeshOutputs(MeshOutputs&&) noexcept = default;
 
 std::vector<std::string> MeshOutputs::write_curved(Output& output, const CurvedMesh& mesh,
                                                    Progress& progress) {

@@ -33,6 +33,7 @@ class MeshOutputs {
   /// check_formats.
   explicit MeshOutputs(const Options& options);
   ~MeshOutputs();
+  MeshOutputs(MeshOutputs&&) noexcept;
 
   /// The OpenFOAM cases shall have all that a flow needs to start (--case).
   void set_flow(const FoamFlow& flow) { flow_ = flow; }

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "cli/family_outputs.hpp"
 #include "core/base/error.hpp"
 #include "core/export/file_text.hpp"
 #include "core/export/write_vtm.hpp"
@@ -36,8 +37,12 @@ void check_output_names(Command command, const Options& options) {
   if (options.cage != "auto") inputs.emplace_back("--cage", options.cage);
   if (!options.outer.empty()) inputs.emplace_back("--outer", options.outer);
   if (!options.config.empty()) inputs.emplace_back("--config", options.config);
-  for (const std::string& name : options.outputs) outputs.emplace_back("-o", name);
-  for (const std::string& name : options.outputs) {  // what stands beside a Plot3D grid and a VTM file
+  std::vector<std::string> written;
+  for (const std::vector<std::string>& member : family_outputs(options)) {
+    written.insert(written.end(), member.begin(), member.end());
+  }
+  for (const std::string& name : written) outputs.emplace_back("-o", name);
+  for (const std::string& name : written) {  // what stands beside a Plot3D grid and a VTM file
     const std::string extension = lower_extension(name);
     if (extension == ".xyz" || extension == ".p3d") {
       outputs.emplace_back("the map file of -o " + name, fs::path(name).replace_extension(".nmf").string());

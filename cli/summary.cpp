@@ -58,6 +58,14 @@ std::string volume_summary(const VolumeResult& result, double diagonal, const Op
   for (const std::string& failure : check_mesh_failures(q)) {
     fmt::format_to(out, "checkMesh would complain: {}\n", failure);
   }
+  for (std::size_t n = 0; n < result.coarser.size(); ++n) {
+    const QualityReport& c = result.coarser[n].quality;
+    fmt::format_to(out,
+                   "grid {} of the family: {} hexes, {} inverted; scaled Jacobian {:.3f} min, {:.3f} mean; "
+                   "non-orthogonality {:.1f} max\n",
+                   result.coarser.size() - n, c.cells, c.inverted_cells, c.scaled_jacobian.min,
+                   c.scaled_jacobian.mean, c.non_orthogonality.max);
+  }
   const double scale = 1 / metres_per_unit(options.unit);
   fmt::format_to(out, "\n{:<24}{:<11}{:>9}{:>12}{:>12}{:>26}\n", "patch", "type", "faces", "max dev.",
                  "rms dev.", "first height, " + options.unit);

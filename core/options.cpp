@@ -240,6 +240,10 @@ std::vector<OptionSpec> make_table() {
                 &Options::tolerance, {0, 1, true}),
          number(without(row("cells", "N", mesh, "stop refining at the level nearest to N cells"), "none"),
                 &Options::cells, {1, 2e9}),
+         number(row("family", "N", mesh,
+                    "nested meshes of one fit: the finest as asked, each coarser one has every second point; "
+                    "written as NAME_1 (coarsest) to NAME_N"),
+                &Options::family, {1, 6}),
          number(in_unit(row("crease-angle", "DEG", fitting | cage | inspect,
                             "CAD edges sharper than this are features"),
                         "degrees"),

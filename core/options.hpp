@@ -34,6 +34,7 @@ struct Options {
   std::optional<int> levels;
   double tolerance = 1e-4;
   std::optional<Offset> cells;
+  int family = 1;
   double crease_angle = 20;
   bool unite = true;
   bool snap = true;

@@ -9,6 +9,7 @@
 
 #include "core/limit/evaluate.hpp"
 #include "core/limit/limit_stencils.hpp"
+#include "core/mesh/coarsen_blocks.hpp"
 #include "core/mesh/hex_adjacency.hpp"
 #include "core/mesh/opening_names.hpp"
 #include "core/optimise/smooth_blocks.hpp"
@@ -178,7 +179,9 @@ GradedMesh graded_mesh(const BlockSource& source, const VolumeSettings& settings
   result.normals = turn_lines_to_wall(mesh, source.blocks(), {});
   progress.step("spacing", 0.5);
   if (settings.layers.first_height > 0) {
-    mesh = insert_boundary_layers(mesh, source.blocks(), settings.layers, result.layers);
+    LayerSettings layers = settings.layers;
+    layers.multiple = Index{1} << (settings.family - 1);
+    mesh = insert_boundary_layers(mesh, source.blocks(), layers, result.layers);
   } else {
     shorten_leaning_lines(mesh, source.blocks());
   }
@@ -244,6 +247,24 @@ Gate proof_gate(const CellProof& validity, const HexView& mesh) {
   return gate;
 }
 
+// The coarser meshes of a nested family, the finest of them first.
+std::vector<FamilyMember> coarser_members(const BlockMesh& fine, std::span<const double> deviation, int count,
+                                          Progress& progress) {
+  std::vector<FamilyMember> members;
+  for (int n = 0; n < count; ++n) {
+    const bool first = members.empty();
+    CoarsenedBlocks coarse = coarsen_blocks(first ? fine : members.back().mesh);
+    const std::span<const double> from =
+        first ? deviation : std::span<const double>(members.back().deviation);
+    std::vector<double> at_points;
+    for (const Index p : coarse.fine_point) at_points.push_back(from[p]);
+    QualityReport quality = measure_quality(coarse.mesh, build_hex_adjacency(coarse.mesh), {}, &progress);
+    const CellProof validity = prove_cells(coarse.mesh);
+    members.push_back({std::move(coarse.mesh), std::move(quality), validity, std::move(at_points)});
+  }
+  return members;
+}
+
 }  // namespace
 
 bool all_hold(const std::vector<Gate>& gates) {
@@ -283,6 +304,7 @@ VolumeResult make_volume(const BlockSource& source, const TargetSurface& target,
                          const VolumeSettings& settings, Progress& progress) {
   for (const std::string& warning : source.warnings()) progress.warn(warning);
   FitSettings fit_settings = settings.fit;
+  fit_settings.least_levels = source.fit_level() + settings.family - 1;
   if (settings.cells > 0) {
     fit_settings.levels = level_for_cells(source, settings);
     fit_settings.tolerance = 0;  // a tolerance that is met earlier is no reason for fewer cells
@@ -296,6 +318,14 @@ VolumeResult make_volume(const BlockSource& source, const TargetSurface& target,
       affordable_levels(fit_settings, source.fit_level(), source.cage().source, at_level);
   fit_settings.levels = prediction.levels;
   if (settings.predicted) settings.predicted(prediction);
+
+  if (fit_settings.levels < fit_settings.least_levels) {
+    throw Error(
+        ErrorKind::usage,
+        fmt::format("--family {} needs {} levels for its coarsest mesh to be the blocks; there are {}",
+                    settings.family, fit_settings.least_levels, fit_settings.levels),
+        "ask for more --levels, or a smaller --family");
+  }
 
   const auto fit_start = Clock::now();
   SurfaceFit fit = fit_surface(source.cage(), target, fit_settings, progress);
@@ -322,6 +352,13 @@ VolumeResult make_volume(const BlockSource& source, const TargetSurface& target,
   std::vector<Gate> gates = surface_gates(fit, settings.tolerance, diagonal);
   gates.push_back(inversion_gate(quality));
   gates.push_back(proof_gate(graded.validity, mesh));
+  std::vector<FamilyMember> coarser = coarser_members(mesh, deviation, settings.family - 1, progress);
+  for (const FamilyMember& member : coarser) {
+    for (Gate gate : {inversion_gate(member.quality), proof_gate(member.validity, member.mesh)}) {
+      gate.name += fmt::format("_of_{}_cells", member.quality.cells);
+      gates.push_back(std::move(gate));
+    }
+  }
   return {.fit = std::move(fit),
           .mesh = std::move(mesh),
           .quality = std::move(quality),
@@ -331,6 +368,7 @@ VolumeResult make_volume(const BlockSource& source, const TargetSurface& target,
           .normals = graded.normals,
           .deviation = std::move(deviation),
           .patches = std::move(patches),
+          .coarser = std::move(coarser),
           .gates = std::move(gates),
           .fit_seconds = fit_seconds,
           .volume_seconds = seconds_since(volume_start)};

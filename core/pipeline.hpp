@@ -57,7 +57,8 @@ struct VolumeSettings {
   bool snap = true;
   LayerSettings layers;  ///< first height 0: cells at the wall as high as they are wide
   std::function<void(const Prediction&)> predicted;  ///< called before the work; what it throws ends it
-  Offset cells = 0;  ///< > 0: refine to the level nearest to so many cells, whatever fit.levels says
+  int family = 1;        ///< nested meshes to make: this one and coarser ones of every second point
+  Offset cells = 0;      ///< > 0: refine to the level nearest to so many cells, whatever fit.levels says
 };
 
 /// What an engineer looks at first, per boundary patch.
@@ -67,6 +68,14 @@ struct PatchSummary {
   Index faces = 0;
   double max_deviation = 0, rms_deviation = 0;        ///< walls: of the fitted surface at the mesh's points
   double min_first_height = 0, max_first_height = 0;  ///< walls: first point off the wall, metres
+};
+
+/// A coarser mesh of a nested family. Its patches are those of the finest.
+struct FamilyMember {
+  BlockMesh mesh;
+  QualityReport quality;
+  CellProof validity;
+  std::vector<double> deviation;  ///< #points, as VolumeResult's
 };
 
 struct VolumeResult {
@@ -80,7 +89,8 @@ struct VolumeResult {
   std::vector<double>
       deviation;  ///< #points; of the fitted surface from the CAD at wall points, metres, else 0
   std::vector<PatchSummary> patches;
-  std::vector<Gate> gates;
+  std::vector<FamilyMember> coarser;  ///< VolumeSettings.family - 1, the finest of them first
+  std::vector<Gate> gates;            ///< of the coarser meshes, too
   double fit_seconds = 0, volume_seconds = 0;
 };
 

@@ -8,6 +8,7 @@
 #include "cli/check_prediction.hpp"
 #include "cli/commands/commands.hpp"
 #include "cli/curved_job.hpp"
+#include "cli/family_outputs.hpp"
 #include "cli/fit_job.hpp"
 #include "cli/flow_case.hpp"
 #include "cli/mesh_outputs.hpp"
@@ -154,6 +155,7 @@ VolumeSettings volume_settings(const Options& options, const FitInputs& inputs) 
   if (options.growth) settings.layers.growth = *options.growth;
   if (options.layers) settings.layers.layers = *options.layers;
   settings.cells = options.cells.value_or(0);
+  settings.family = options.family;
   return settings;
 }
 
@@ -170,6 +172,13 @@ Json report(const Options& options, const FitInputs& inputs, const BlockSource& 
                                     {"max", result.layers.max_height * scale},
                                     {"asked", options.first_height.value_or(0)}};
   json["volume"]["max_growth"] = result.layers.max_growth;
+  if (!result.coarser.empty()) {  // coarsest first, as the files are numbered
+    json["family"] = Json::array();
+    for (auto member = result.coarser.rbegin(); member != result.coarser.rend(); ++member) {
+      json["family"].push_back(volume_json(member->quality));
+    }
+    json["family"].push_back(volume_json(result.quality));
+  }
   json["patches"] = Json::array();
   for (const PatchSummary& p : result.patches) {
     Json patch{{"name", p.name}, {"type", patch_type_name(p.type)}, {"faces", p.faces}};
@@ -195,6 +204,20 @@ void warn_of_first_height(const Options& options, const LayerReport& layers, Pro
                   asked, options.unit, low, high, options.unit));
 }
 
+/// Scales a mesh, and its curved cells where there are any, to the unit of the output and writes it.
+void write_in_unit(BlockMesh& mesh, std::vector<double>& deviation, const Options& options,
+                   MeshOutputs& outputs, Progress& progress, CurvedMesh* curved = nullptr) {
+  const double scale = 1 / metres_per_unit(options.unit);
+  if (scale != 1) {
+    for (Vec3& p : mesh.mutable_points()) p *= scale;
+    for (double& d : deviation) d *= scale;
+    if (curved != nullptr) {
+      for (Vec3& p : curved->nodes.mutable_points()) p *= scale;
+    }
+  }
+  outputs.write(mesh, deviation, progress, curved);
+}
+
 }  // namespace
 
 int run_mesh(const Options& given, Progress& terminal) {
@@ -214,7 +237,12 @@ int run_mesh(const Options& given, Progress& terminal) {
     check_prediction(found, options);
   };
   const std::unique_ptr<BlockSource> source = block_source(options, inputs, progress);
-  MeshOutputs outputs(options);
+  std::vector<MeshOutputs> outputs;  // of the family's meshes, coarsest first
+  for (const std::vector<std::string>& names : family_outputs(options)) {
+    Options member = options;
+    member.outputs = names;
+    outputs.emplace_back(member);
+  }
   const std::unique_ptr<AtomicFile> json_file = open_json(options);
   FitReport fit_report(options);
   if (options.flow_case) {  // what no flow can start on is refused before the work
@@ -234,16 +262,16 @@ int run_mesh(const Options& given, Progress& terminal) {
   std::optional<Scene> scene;  // before the mesh is scaled
   if (fit_report.wanted()) scene = volume_scene(inputs.cad, result, options.tolerance);
   if (write) {
-    const double scale = 1 / metres_per_unit(options.unit);
-    if (scale != 1) {
-      for (Vec3& p : result.mesh.mutable_points()) p *= scale;
-      for (double& d : result.deviation) d *= scale;
-      if (curved) {
-        for (Vec3& p : curved->mesh.nodes.mutable_points()) p *= scale;
-      }
+    if (options.flow_case) {
+      const FoamFlow flow = flow_of(options, result, inputs.cad.diagonal());
+      for (MeshOutputs& member : outputs) member.set_flow(flow);
     }
-    if (options.flow_case) outputs.set_flow(flow_of(options, result, inputs.cad.diagonal()));
-    outputs.write(result.mesh, result.deviation, progress, curved ? &curved->mesh : nullptr);
+    write_in_unit(result.mesh, result.deviation, options, outputs.back(), progress,
+                  curved ? &curved->mesh : nullptr);
+    for (std::size_t n = 0; n < result.coarser.size(); ++n) {
+      FamilyMember& member = result.coarser[n];
+      write_in_unit(member.mesh, member.deviation, options, outputs[outputs.size() - 2 - n], progress);
+    }
   }
   Json json = report(options, inputs, *source, result);
   json["prediction"] = prediction_json(prediction, options);
@@ -259,7 +287,9 @@ int run_mesh(const Options& given, Progress& terminal) {
     json["peak_memory_bytes"] = peak_memory_bytes();
     write_json(json, *json_file);
   }
-  if (write) outputs.commit();
+  if (write) {
+    for (MeshOutputs& member : outputs) member.commit();
+  }
   if (json_file) json_file->commit();
   fit_report.commit();
   if (!options.quiet) print_summary(volume_summary(result, inputs.cad.diagonal(), options));

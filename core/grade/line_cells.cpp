@@ -140,7 +140,9 @@ std::vector<double> graded_cells(std::span<const double> lengths, const LayerSet
   const double size = cells.empty() ? settings.first_height : cells.back();
   const OwnSizes own(lengths);
   const double most = std::log(settings.growth);
-  const auto rest = static_cast<Index>(std::ceil(count_of(own.pieces(start, size, most)) - 1e-9));
+  const auto exact = static_cast<Index>(cells.size());
+  const auto least = exact + static_cast<Index>(std::ceil(count_of(own.pieces(start, size, most)) - 1e-9));
+  const Index rest = (least + settings.multiple - 1) / settings.multiple * settings.multiple - exact;
   // `rest` to within bisection.
   const std::vector<Piece> pieces = own.pieces(start, size, slope_for(own, start, size, most, rest));
   double s = start;

@@ -142,7 +142,8 @@ SurfaceFit fit_surface(const Cage& cage, const TargetSurface& target, const FitS
         std::span(fitted.best.limit.points).first(static_cast<std::size_t>(report.control_vertices)));
     report.history = std::move(fitted.history);
     report.stopped_because = fitted.stopped_because;
-    const bool met = settings.tolerance > 0 && report.max_deviation <= settings.tolerance;
+    const bool met = settings.tolerance > 0 && depth >= settings.least_levels &&
+                     report.max_deviation <= settings.tolerance;
     const bool last = met || depth == settings.levels;
     if (last) {
       fit.stopped_because = met ? "the tolerance is met" : "all levels are done";

@@ -1,8 +1,13 @@
 // surface and mesh on a CAD file, seen from outside: a sphere of diameter 1 m with a cube as its cage.
 #include <cmath>
 #include <cstdio>
+#include <set>
 #include <sstream>
 
+#include <fmt/format.h>
+
+#include "core/export/read_mesh.hpp"
+#include "core/optimise/untangle.hpp"
 #include "occ_bridge/shapes.hpp"
 #include "tests/catch.hpp"
 #include "tests/cli/run_program.hpp"
@@ -63,6 +68,37 @@ TEST_CASE("surface: vertices on the sphere, in the output's unit") {
         "\"genus\": 0", "\"gates\"", "\"unit\": \"mm\"", "\"peak_memory_bytes\""}) {
     CHECK_THAT(folder.text_of("fit.json"), contains_text(key));
   }
+}
+
+TEST_CASE("mesh: a family is nested to the last bit, each mesh valid, figures of all in summary and JSON") {
+  const Sphere folder;
+  const ProgramRun run = folder.run("mesh", {"--levels", "2", "--first-height", "0.0007", "--tolerance",
+                                             "0.01", "--family", "3", "--json", "r.json", "-o", "ball.vtu"});
+  INFO(run.err);
+  REQUIRE(run.exit_code == 0);
+  CHECK(folder.entries() ==
+        Strings{"ball_1.vtu", "ball_2.vtu", "ball_3.vtu", "cage.obj", "r.json", "sphere.step"});
+  std::set<std::array<double, 3>> finer;
+  Offset cells = 0;
+  for (const char* name : {"ball_3.vtu", "ball_2.vtu", "ball_1.vtu"}) {
+    INFO(name);
+    const HexMesh mesh = read_vtu(folder.path() / name);
+    CHECK(hex_validity(mesh).inverted == 0);
+    CHECK(hex_validity(mesh).uncertified == 0);
+    std::set<std::array<double, 3>> points;
+    for (const Vec3& p : mesh.points()) points.insert({p.x(), p.y(), p.z()});
+    if (cells > 0) {
+      CHECK(8 * mesh.cell_count() == cells);
+      CHECK(std::includes(finer.begin(), finer.end(), points.begin(), points.end()));
+    }
+    CHECK_THAT(folder.text_of("r.json"), contains_text(fmt::format("\"cells\": {}", mesh.cell_count())));
+    CHECK_THAT(run.err + run.out, contains_text(fmt::format("{} hexes", mesh.cell_count())));
+    cells = mesh.cell_count();
+    finer = std::move(points);
+  }
+  // The coarsest has the blocks' divisions at least: two levels.
+  CHECK(folder.run("mesh", {"--levels", "1", "--family", "3", "-o", "b.vtu"}).exit_code == 2);
+  CHECK(folder.run("mesh", {"--family", "2", "-o", "b.foam"}).exit_code == 2);
 }
 
 TEST_CASE("surface: B-spline patches as STEP, read again as CAD") {
