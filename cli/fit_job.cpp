@@ -11,6 +11,7 @@
 
 #include "core/cage/read_cage.hpp"
 #include "core/export/file_text.hpp"
+#include "core/export/read_block_dict.hpp"
 #include "core/export/read_mesh.hpp"
 #include "core/mesh/surface_level.hpp"
 
@@ -26,6 +27,22 @@ HexMesh scaled(const HexMesh& mesh, double unit) {
   return {std::move(points), std::move(cells), mesh.patches()};
 }
 
+bool is_block_dict(const std::string& name) {
+  return std::filesystem::path(name).filename() == "blockMeshDict";
+}
+
+/// The blocks of a file as they stand there; of a blockMeshDict with its own scale, in metres.
+DictBlocks read_block_file(const Options& options) {
+  if (!is_block_dict(options.cage)) return {read_mesh(options.cage), false, {}};
+  DictBlocks blocks = read_block_dict(options.cage);
+  if (blocks.in_metres && !options.cage_unit.empty()) {
+    throw Error(ErrorKind::usage,
+                fmt::format("--cage-unit {}: {} has a scale of its own", options.cage_unit, options.cage),
+                "leave out --cage-unit, or the file's scale");
+  }
+  return blocks;
+}
+
 }  // namespace
 
 double cage_unit_in_metres(const Options& options, const CadModel& cad) {
@@ -35,9 +52,9 @@ double cage_unit_in_metres(const Options& options, const CadModel& cad) {
 
 bool is_block_file(const std::string& name) {
   const std::string extension = lower_extension(name);
-  return std::filesystem::path(name).filename() == "blockMeshDict" || extension == ".vtu" ||
-         extension == ".vtm" || extension == ".msh" || extension == ".cgns" || extension == ".su2" ||
-         extension == ".foam" || std::filesystem::is_directory(name);
+  return is_block_dict(name) || extension == ".vtu" || extension == ".vtm" || extension == ".msh" ||
+         extension == ".cgns" || extension == ".su2" || extension == ".foam" ||
+         std::filesystem::is_directory(name);
 }
 
 FitInputs read_fit_inputs(const Options& options, Progress& progress) {
@@ -48,13 +65,14 @@ FitInputs read_fit_inputs(const Options& options, Progress& progress) {
     return {.cad = std::move(cad), .drawn = false, .read_seconds = seconds.count()};
   }
   if (is_block_file(options.cage)) {
-    HexMesh blocks = read_mesh(options.cage);
+    DictBlocks blocks = read_block_file(options);
+    for (const std::string& note : blocks.notes) progress.warn(note);
     CadModel cad = read_cad(options.inputs, cad_settings(options), progress);
-    const double unit = cage_unit_in_metres(options, cad);
+    const double unit = blocks.in_metres ? 1 : cage_unit_in_metres(options, cad);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     return {.cad = std::move(cad),
             .drawn = false,
-            .blocks = scaled(blocks, unit),
+            .blocks = scaled(blocks.mesh, unit),
             .cage_unit = unit,
             .read_seconds = seconds.count()};
   }

@@ -243,7 +243,7 @@ std::vector<OptionSpec> make_table() {
          number(row("family", "N", mesh,
                     "nested meshes of one fit: the finest as asked, each coarser one has every second point; "
                     "written as NAME_1 (coarsest) to NAME_N"),
-                &Options::family, {1, 6}),
+                &Options::family, {1, 10}),
          number(in_unit(row("crease-angle", "DEG", fitting | cage | inspect,
                             "CAD edges sharper than this are features"),
                         "degrees"),

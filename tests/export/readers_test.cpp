@@ -7,6 +7,7 @@
 #include "core/base/parallel.hpp"
 #include "core/export/hex_from_faces.hpp"
 #include "core/export/patch_names.hpp"
+#include "core/export/read_block_dict.hpp"
 #include "core/export/read_mesh.hpp"
 #include "core/export/write_polymesh.hpp"
 #include "core/export/write_vtu.hpp"
@@ -325,4 +326,53 @@ TEST_CASE("Mutated files are read or refused, never worse") {
   }
   CHECK(read + refused == 5000);
   CHECK(refused > 2000);
+}
+
+TEST_CASE("blockMeshDict: straight blocks are read, curved ones refused with their line") {
+  const ScratchFolder scratch;
+  const std::filesystem::path file = scratch.path() / "blockMeshDict";
+  const auto read = [&](const std::string& text) {
+    std::ofstream(file) << text;
+    return read_block_dict(file);
+  };
+  const std::string head =
+      "FoamFile { version 2.0; format ascii; class dictionary; object blockMeshDict; }\n"
+      "convertToMeters 0.5; // half\n"
+      "vertices ( (0 0 0) (9 9 9) (2 0 0) (2 2 0) (0 2 0)\n (0 0 4) (2 0 4) (2 2 4) (0 2 4) );\n";
+  const std::string block = "blocks ( hex (0 2 3 4 5 6 7 8) zone (3 1 1) simpleGrading (1 2 1) );\n";
+  const std::string patches =
+      "boundary ( ball { type wall; faces ((0 4 3 2)); } left { type symmetryPlane; faces ((0 5 8 4)); }\n"
+      " inflow { type patch; faces ((2 3 7 6)); } );\n";
+  const DictBlocks dict = read(head + block + "edges ( line 0 2 ); /* none */\n" + patches +
+                               "defaultPatch { name rest; type patch; }\nmergePatchPairs ();\n");
+  CHECK(dict.in_metres);
+  CHECK(dict.mesh.cell_count() == 1);
+  REQUIRE(dict.mesh.points().size() == 8);  // one vertex is in no block
+  CHECK(dict.mesh.points()[6] == Vec3(1, 1, 2));
+  CHECK(enclosed_volume(dict.mesh) == Approx(2));
+  REQUIRE(dict.notes.size() == 1);
+  CHECK(dict.notes[0].find("numbers of cells and grading") != std::string::npos);
+  REQUIRE(dict.mesh.patches().size() == 4);
+  const std::array types{PatchType::wall, PatchType::symmetry, PatchType::inlet, PatchType::farfield};
+  for (std::size_t p = 0; p < types.size(); ++p) CHECK(dict.mesh.patches()[p].type == types[p]);
+  CHECK(dict.mesh.patches()[3].name == "rest");
+  CHECK(dict.mesh.patches()[3].quads.size() == 3);
+  const auto refused = [&](const std::string& text, const std::string& line, const std::string& reason) {
+    std::string said;
+    try {
+      read(text);
+    } catch (const Error& e) {
+      said = e.kind() == ErrorKind::input ? e.what() : "";
+    }
+    CAPTURE(said, line, reason);
+    CHECK(said.find("blockMeshDict:" + line + ":") != std::string::npos);
+    CHECK(said.find(reason) != std::string::npos);
+  };
+  refused(head + block + "edges (\narc 0 2 (1 1 0) );\n", "7", "\"arc\"");
+  refused(head + block + "faces ( project (0 2 3 4) ball );", "6", "faces");
+  refused("vertices ( project (0 0 0) (ball) );", "1", "project");
+  refused(head + "blocks ( hex (0 2 3 4 5 6 7 9) (1 1 1) );", "5", "no vertex 9");
+  refused(head + "blocks ( hex (0 2 3 4 5 6 7 8) (1 0 1) );", "5", "number of cells");
+  refused(head + "x $y;", "5", "macros");
+  refused(head + "blocks ( hex (0 2 3", "5", "");
 }
