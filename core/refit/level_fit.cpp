@@ -62,7 +62,7 @@ class LevelPasses {
       if (!improve(metrics, 1.0)) return;
       const double gain = before > 0 ? 1 - best().score() / before : 0;
       result_.stopped_because = "converged";
-      if (gain < 0.02) return;
+      if (gain < 0.03) return;
     }
     result_.stopped_because = "passes used up";
   }
