@@ -42,12 +42,23 @@ class LevelPasses {
     }
     mode_ = {0, tangent};
     best() = evaluate_pass(input_.level, input_.match, input_.target, best().control_points, mode_, &best());
-    if (!tangent) return converge(1);
-    for (const double weight : tangential_weights) converge(weight);
+    if (tangent) {
+      for (const double weight : tangential_weights) converge(weight);
+    } else {
+      converge(1);
+    }
+    unfold();
   }
 
  private:
   FitPass& best() { return result_.best; }
+
+  /// What no pass could unfold, since it costs accuracy: a valid surface comes first.
+  void unfold() {
+    if (best().folds() == 0) return;
+    FitPass open = evaluated(unfolded_points(input_.level, best()));
+    if (open.folds() < best().folds()) best() = std::move(open);
+  }
 
   /// Passes of one kind until they gain little.
   void converge(double weight) {
@@ -62,7 +73,7 @@ class LevelPasses {
       if (!improve(metrics, 1.0)) return;
       const double gain = before > 0 ? 1 - best().score() / before : 0;
       result_.stopped_because = "converged";
-      if (gain < 0.03) return;
+      if (gain < 0.025) return;
     }
     result_.stopped_because = "passes used up";
   }
