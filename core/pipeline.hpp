@@ -57,8 +57,8 @@ struct VolumeSettings {
   bool snap = true;
   LayerSettings layers;  ///< first height 0: cells at the wall as high as they are wide
   std::function<void(const Prediction&)> predicted;  ///< called before the work; what it throws ends it
-  int family = 1;        ///< nested meshes to make: this one and coarser ones of every second point
-  Offset cells = 0;      ///< > 0: refine to the level nearest to so many cells, whatever fit.levels says
+  int family = 1;    ///< nested meshes to make: this one and coarser ones of every second point
+  Offset cells = 0;  ///< > 0: refine to the level nearest to so many cells, whatever fit.levels says
 };
 
 /// What an engineer looks at first, per boundary patch.

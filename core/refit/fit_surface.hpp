@@ -14,7 +14,8 @@ struct FitSettings {
   int levels = 3;        ///< subdivision levels after the cage
   double tolerance = 0;  ///< stop refining below this deviation (relative to the diagonal); 0: do all levels
   int least_levels = 0;  ///< levels to do however soon the tolerance is met
-  int max_passes = 12;   ///< project-refit passes a level, on the cage for each weight; coarse levels go two ways
+  int max_passes =
+      12;  ///< project-refit passes a level, on the cage for each weight; coarse levels go two ways
   int max_cgls_iterations = 60;
   bool tangent_distance = true;  ///< minimise distances to tangent planes (Gauss-Newton, Wang, Pottmann & Liu
                                  ///< 2006) in the last passes instead of distances to foot points
