@@ -18,18 +18,14 @@
 #include "cli/json_report.hpp"
 #include "cli/terminal.hpp"
 #include "core/base/error.hpp"
+#include "core/base/stopwatch.hpp"
 
 namespace flowcage {
 namespace fs = std::filesystem;
 namespace {
 
-using Clock = std::chrono::steady_clock;
 constexpr auto poll_interval = std::chrono::milliseconds(20);
-constexpr auto grace = std::chrono::milliseconds(3000);  // a child ends itself two seconds after a signal
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
+constexpr double grace = 3;  // seconds: a child ends itself two seconds after a signal
 
 /// A folder for what the children say, gone at the end.
 class Scratch {
@@ -117,7 +113,7 @@ class Batch {
  private:
   struct Running {
     std::size_t job = 0;
-    Clock::time_point start;
+    Stopwatch time;
   };
 
   void begin(std::size_t job) {
@@ -132,7 +128,7 @@ class Batch {
     if (child < 0) {
       throw Error(ErrorKind::internal, "cannot start a process", "use fewer --jobs, or free memory");
     }
-    running_[child] = {job, Clock::now()};
+    running_[child] = {job, {}};
   }
 
   /// Takes one child that ended; false if none did.
@@ -166,7 +162,7 @@ class Batch {
     if (code == static_cast<int>(ErrorKind::interrupted) && progress_.cancelled()) return;  // by Ctrl-C
     exit_codes_[of.job] = code;
     Json facts{
-        {"status", code == 0 ? "done" : "failed"}, {"exit_code", code}, {"seconds", seconds_since(of.start)}};
+        {"status", code == 0 ? "done" : "failed"}, {"exit_code", code}, {"seconds", of.time.seconds()}};
     if (crashed) {
       facts["signal"] = WTERMSIG(status);
       facts["message"] = fmt::format("the process was ended by signal {}", WTERMSIG(status));
@@ -194,9 +190,9 @@ class Batch {
 
   void end_children() {
     for (const auto& [child, running] : running_) ::kill(child, SIGTERM);
-    const Clock::time_point start = Clock::now();
+    const Stopwatch waiting;
     while (!running_.empty()) {
-      const bool patient = Clock::now() - start < grace;
+      const bool patient = waiting.seconds() < grace;
       for (auto it = running_.begin(); it != running_.end();) {
         if (!patient) ::kill(it->first, SIGKILL);
         it = ::waitpid(it->first, nullptr, patient ? WNOHANG : 0) != 0 ? running_.erase(it) : std::next(it);

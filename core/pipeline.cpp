@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 
+#include "core/base/stopwatch.hpp"
 #include "core/limit/evaluate.hpp"
 #include "core/limit/limit_stencils.hpp"
 #include "core/mesh/coarsen_blocks.hpp"
@@ -21,11 +21,6 @@
 
 namespace flowcage {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 // How far the surface may miss CAD that the fit should have covered, in tolerances: both are sampled.
 constexpr double coverage_factor = 1.5;
@@ -327,12 +322,12 @@ VolumeResult make_volume(const BlockSource& source, const TargetSurface& target,
         "ask for more --levels, or a smaller --family");
   }
 
-  const auto fit_start = Clock::now();
+  const Stopwatch fit_time;
   SurfaceFit fit = fit_surface(source.cage(), target, fit_settings, progress);
-  const double fit_seconds = seconds_since(fit_start);
+  const double fit_seconds = fit_time.seconds();
   source.check(fit, target);
 
-  const auto volume_start = Clock::now();
+  const Stopwatch volume_time;
   GradedMesh graded = graded_mesh(source, settings, fit, progress);
   BlockMesh& mesh = graded.shaped.mesh;
 
@@ -371,7 +366,7 @@ VolumeResult make_volume(const BlockSource& source, const TargetSurface& target,
           .coarser = std::move(coarser),
           .gates = std::move(gates),
           .fit_seconds = fit_seconds,
-          .volume_seconds = seconds_since(volume_start)};
+          .volume_seconds = volume_time.seconds()};
 }
 
 }  // namespace flowcage

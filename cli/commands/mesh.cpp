@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cmath>
 #include <memory>
 
@@ -15,6 +14,7 @@
 #include "cli/report/fit_report.hpp"
 #include "cli/summary.hpp"
 #include "cli/terminal.hpp"
+#include "core/base/stopwatch.hpp"
 #include "core/blocks/symmetry_plane.hpp"
 #include "core/grade/wall_units.hpp"
 #include "core/mesh/opening_names.hpp"
@@ -23,11 +23,6 @@ namespace flowcage {
 namespace {
 
 constexpr int most_levels = 4;
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 /// The cage's open boundary already says where the half model is cut; --symmetry must say the same.
 void check_symmetry(const Options& options, const Cage& cage) {
@@ -221,7 +216,7 @@ void write_in_unit(BlockMesh& mesh, std::vector<double>& deviation, const Option
 }  // namespace
 
 int run_mesh(const Options& given, Progress& terminal) {
-  const Clock::time_point start = Clock::now();
+  const Stopwatch whole;
   const Options options = with_first_height(given);
   RecordedWarnings progress(terminal);
   MeshOutputs::check_formats(options.outputs);
@@ -257,7 +252,7 @@ int run_mesh(const Options& given, Progress& terminal) {
   std::optional<CurvedJob> curved;
   if (options.order > 1) curved = make_curved(result, inputs.cad, options.order, progress);
   warn_of_first_height(options, result.layers, progress);
-  const Clock::time_point write_start = Clock::now();
+  const Stopwatch writing;
   const bool write = options.force || all_hold(result.gates);
   std::optional<Scene> scene;  // before the mesh is scaled
   if (fit_report.wanted()) scene = volume_scene(inputs.cad, result, options.tolerance);
@@ -281,9 +276,9 @@ int run_mesh(const Options& given, Progress& terminal) {
                      *scene, result.gates, progress);
   }
   if (json_file) {
-    json["seconds"] = {{"read", inputs.read_seconds},         {"cage", 0.0},
-                       {"fit", result.fit_seconds},           {"volume", result.volume_seconds},
-                       {"write", seconds_since(write_start)}, {"total", seconds_since(start)}};
+    json["seconds"] = {{"read", inputs.read_seconds}, {"cage", 0.0},
+                       {"fit", result.fit_seconds},   {"volume", result.volume_seconds},
+                       {"write", writing.seconds()},  {"total", whole.seconds()}};
     json["peak_memory_bytes"] = peak_memory_bytes();
     write_json(json, *json_file);
   }

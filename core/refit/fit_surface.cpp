@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <memory>
 
 #include "core/base/parallel.hpp"
+#include "core/base/stopwatch.hpp"
 #include "core/refit/boundary_planes.hpp"
 #include "core/refit/cage_check.hpp"
 #include "core/refit/cage_fit.hpp"
@@ -24,12 +24,6 @@ namespace flowcage {
 namespace {
 
 constexpr double no_limit = std::numeric_limits<double>::infinity();
-
-using Clock = std::chrono::steady_clock;  // for the report's seconds only: no result depends on it
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 /// One sentence about the sharp edges and open boundaries that nothing of the cage follows, with the longest.
 std::string unmatched_warning(const FeatureMatch& match, const TargetSurface& target) {
@@ -98,7 +92,7 @@ SurfaceFit fit_surface(const Cage& cage, const TargetSurface& target, const FitS
   progress.step("fit, level 0", 0);
   const double diagonal = target.diagonal();
   check_cage_belongs(cage, target);
-  Clock::time_point start = Clock::now();
+  Stopwatch time;
   CageFit first = fit_cage(cage, target, settings);
   const FeatureMatch& match = first.match;
   const std::vector<ChainPlane>& planes = first.planes;
@@ -112,7 +106,7 @@ SurfaceFit fit_surface(const Cage& cage, const TargetSurface& target, const FitS
   std::vector<Vec3> control_points;
   for (int depth = 0;; ++depth) {
     progress.step(fmt::format("fit, level {}", depth), static_cast<double>(depth) / (settings.levels + 1));
-    if (depth > 0) start = Clock::now();
+    if (depth > 0) time = {};
     LevelFitResult fitted = depth == 0 ? std::move(first.fitted)
                                        : fit_level({*level, match, target, planes, settings}, control_points);
     control_points = fitted.best.control_points;
@@ -160,7 +154,7 @@ SurfaceFit fit_surface(const Cage& cage, const TargetSurface& target, const FitS
       next = std::make_unique<LevelSystem>(build_level_system(std::move(surface.level), std::move(below),
                                                               child_places(fitted.best.places), match));
     }
-    report.seconds = seconds_since(start);
+    report.seconds = time.seconds();
     fit.levels.push_back({std::move(level->topology), std::move(control_points), std::move(report)});
     if (last) break;
     control_points = std::move(surface.points);

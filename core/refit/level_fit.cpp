@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 
+#include "core/base/stopwatch.hpp"
 #include "core/refit/unfold.hpp"
 
 namespace flowcage {
 namespace {
-
-using Clock = std::chrono::steady_clock;  // for the report's seconds only: no result depends on it
 
 /// Weights of the way along the target in tangent-distance passes, one after the other: the first is robust
 /// on coarse levels, the last lets lines that a rough cage has set askew straighten out.
@@ -47,17 +45,17 @@ class LevelPasses {
     } else {
       converge(1);
     }
-    unfold();
+    best() = unfolded(best());  // although it costs accuracy: a valid surface comes first
   }
 
  private:
   FitPass& best() { return result_.best; }
 
-  /// What no pass could unfold, since it costs accuracy: a valid surface comes first.
-  void unfold() {
-    if (best().folds() == 0) return;
-    FitPass open = evaluated(unfolded_points(input_.level, best()));
-    if (open.folds() < best().folds()) best() = std::move(open);
+  /// The pass with fewer folds where the least change of its control points brings that.
+  FitPass unfolded(FitPass pass) {
+    if (pass.folds() == 0) return pass;
+    FitPass open = evaluated(unfolded_points(input_.level, pass));
+    return open.folds() < pass.folds() ? open : pass;
   }
 
   /// Passes of one kind until they gain little.
@@ -85,11 +83,7 @@ class LevelPasses {
         solve_hierarchical(input_.level.system, best().targets, best().control_points, cgls_, metrics);
     result_.iterations += solved.iterations;
     ++result_.passes;
-    FitPass next = evaluated(std::move(solved.control_points));
-    if (next.folds() > 0) {
-      FitPass open = evaluated(unfolded_points(input_.level, next));
-      if (open.folds() < next.folds()) next = std::move(open);
-    }
+    FitPass next = unfolded(evaluated(std::move(solved.control_points)));
     std::vector<bool> held(next.control_points.size(), false);
     for (int held_back = 0; held_back < 3 && next.folds() > best().folds(); ++held_back) {
       next = evaluated(held_where_folded(next, held));
@@ -108,9 +102,8 @@ class LevelPasses {
     }
     best() = std::move(next);
     const double diagonal = input_.target.diagonal();
-    const std::chrono::duration<double> seconds = Clock::now() - start_;
     result_.history.push_back({best().max / diagonal, best().rms / diagonal, best().folds(),
-                               result_.iterations, seconds.count(), mode_.relaxation > 0});
+                               result_.iterations, time_.seconds(), mode_.relaxation > 0});
     return true;
   }
 
@@ -146,7 +139,7 @@ class LevelPasses {
   LevelFitResult& result_;
   CglsSettings cgls_;
   PassMode mode_;
-  Clock::time_point start_ = Clock::now();
+  Stopwatch time_;
 };
 
 }  // namespace

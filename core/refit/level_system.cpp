@@ -161,12 +161,10 @@ std::vector<Index> folded_faces(const LevelSystem& level, const LimitState& stat
       const Vec3& wanted = target_normals[middle];
       const Vec3& normal = state.normals[middle];
       bool bad = normal.isZero(0) || (!wanted.isZero(0) && normal.dot(wanted) <= 0);
-      const auto corners = t.face_vertices[f];
-      const auto edges = t.face_edges[f];
-      for (std::size_t i = 0; i < corners.size() && !bad; ++i) {
-        const std::size_t before = (i + corners.size() - 1) % corners.size();
-        const std::array<Vec3, 4> quad{state.points[corners[i]], state.points[level.edge_sample(edges[i])],
-                                       state.points[middle], state.points[level.edge_sample(edges[before])]};
+      for (std::size_t i = 0; i < t.face_vertices[f].size() && !bad; ++i) {
+        const std::array<Index, 4> at = level.sample_quad(f, i);
+        const std::array<Vec3, 4> quad{state.points[at[0]], state.points[at[1]], state.points[at[2]],
+                                       state.points[at[3]]};
         const Vec3 across = (quad[2] - quad[0]).cross(quad[3] - quad[1]);
         bad = across.dot(wanted.isZero(0) ? normal : wanted) <= 0;
         for (std::size_t k = 0; k < 4 && !bad; ++k) {

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <span>
 #include <vector>
 
@@ -44,6 +45,12 @@ struct LevelSystem {
   Index sample_count() const { return samples.position.size(); }
   Index edge_sample(Index e) const { return topology.vertex_count() + e; }
   Index face_sample(Index f) const { return topology.vertex_count() + topology.edge_count() + f; }
+  /// The samples round corner i of face f: vertex, next edge, face, last edge.
+  std::array<Index, 4> sample_quad(Index f, std::size_t i) const {
+    const auto edges = topology.face_edges[f];
+    return {topology.face_vertices[f][i], edge_sample(edges[i]), face_sample(f),
+            edge_sample(edges[(i + edges.size() - 1) % edges.size()])};
+  }
 };
 
 /// Builds the stencils and sorts everything into stages.

@@ -27,19 +27,6 @@ std::vector<Index> with_neighbours(const SurfaceLevel& t, const std::vector<Inde
   return all;
 }
 
-/// The quads of a face between vertex, edge and face samples, as folded_faces looks at them.
-std::vector<Quad> sample_quads(const LevelSystem& level, Index f) {
-  const auto corners = level.topology.face_vertices[f];
-  const auto edges = level.topology.face_edges[f];
-  std::vector<Quad> quads;
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    const std::size_t before = (i + corners.size() - 1) % corners.size();
-    quads.push_back(
-        {corners[i], level.edge_sample(edges[i]), level.face_sample(f), level.edge_sample(edges[before])});
-  }
-  return quads;
-}
-
 class Unfolding {
  public:
   Unfolding(const LevelSystem& level, const FitPass& pass)
@@ -51,7 +38,9 @@ class Unfolding {
       const Index middle = level_.face_sample(f);
       const bool known = pass_.feet[middle].status != FootStatus::failed;
       const Vec3 wanted = known ? pass_.feet[middle].normal : pass_.limit.normals[middle];
-      for (const Quad& quad : sample_quads(level_, f)) watched.emplace_back(quad, wanted);
+      for (std::size_t i = 0; i < level_.topology.face_vertices[f].size(); ++i) {
+        watched.emplace_back(level_.sample_quad(f, i), wanted);
+      }
     }
     for (int sweep = 0; sweep < most_sweeps; ++sweep) {
       bool moved = false;
